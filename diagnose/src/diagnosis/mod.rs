@@ -125,7 +125,6 @@ fn diagnosed(
         look,
         skipped,
         null,
-        namings,
     } = Searcher::new(model, &frames, &channels, options).searched(first)?;
     let bounds = hold(model, &mut findings, &frames.scale);
     let said = FittedFindings {
@@ -133,7 +132,6 @@ fn diagnosed(
         contact: contact.as_ref(),
         dead: &channels.dead,
         null: null.as_ref(),
-        namings: &namings,
         left: &left,
         // What a few seconds say goes no further than their motion: beyond it everything departs.
         look: look.filter(|_| !frames.data.is_short(&settings.ladder)),

@@ -17,7 +17,7 @@ use crate::search::find::{Findings, find, gap};
 use crate::search::session::Session;
 use crate::settings::{Rule, Settings};
 use crate::simulator::NominalModel;
-use crate::surrogates::{self, Naming, Null};
+use crate::surrogates::{self, Null};
 use crate::traces::contact::{Contact, detect, suspected};
 use crate::traces::unknown::{Misfit, examine};
 use datasets::metrics::Scope;
@@ -88,8 +88,6 @@ pub(super) struct Searched {
     pub skipped: Vec<bool>,
     /// Null distribution of gains on this recording, where surrogates were drawn.
     pub null: Option<Null>,
-    /// Evidence for the name of each accepted cause; empty where no surrogates were drawn.
-    pub namings: Vec<Option<Naming>>,
 }
 
 /// State that all searches of one diagnosis share.
@@ -188,7 +186,7 @@ impl<'a> Searcher<'a> {
         let contact = self.contact(&found, look)?;
         let (found, contact, skipped) = self.apart(found, contact)?;
         let weight = self.without(&skipped);
-        let (found, null, namings) = self.above_chance(found, &weight, &skipped)?;
+        let (found, null) = self.above_chance(found, &weight, &skipped)?;
         let off = &self.options.settings.search.off;
         let beside = match contact {
             Some(_) if off.applies(Rule::BesidePushes, true) => self.beside(&found, &skipped),
@@ -204,7 +202,6 @@ impl<'a> Searcher<'a> {
             contact,
             skipped,
             null,
-            namings,
         })
     }
 
@@ -358,42 +355,28 @@ impl<'a> Searcher<'a> {
     }
 
     /// Findings without causes whose gain chance reaches as well on this recording.
-    #[expect(
-        clippy::type_complexity,
-        reason = "a search, what chance earns, and namings: one call"
-    )]
     fn above_chance(
         &self,
         found: Search,
         weight: &Array2<f64>,
         skipped: &[bool],
-    ) -> Result<(Search, Option<Null>, Vec<Option<Naming>>), DiagnoseError> {
+    ) -> Result<(Search, Option<Null>), DiagnoseError> {
         let (model, frames, surrogates) = (self.model, self.frames, self.options.surrogates);
         let short = frames.data.is_short(&self.options.settings.ladder);
         if surrogates == 0 || short || !self.channels.moves {
-            return Ok((found, None, Vec::new()));
+            return Ok((found, None));
         }
-        let (null, namings) = surrogates::with(model, frames, &found.findings, weight, |source| {
-            let null = source.null(0..surrogates);
-            let stand = found.findings.least_earned() > null.level();
-            let namings = stand.then(|| source.namings(&found.findings));
-            (null, namings)
+        let null = surrogates::with(model, frames, &found.findings, weight, |source| {
+            source.null(0..surrogates)
         });
-        if let Some(namings) = namings {
-            return Ok((found, Some(null), namings));
+        if found.findings.least_earned() > null.level() {
+            return Ok((found, Some(null)));
         }
         let known = Self::known(&found.findings);
         drop(found);
         let level = null.level().max(self.chance());
         let found = self.search(weight, skipped, level, known)?;
-        // Where a cause is left beside parameters, it has to be named again.
-        let mut namings = Vec::new();
-        if found.findings.least_earned().is_finite() {
-            namings = surrogates::with(model, frames, &found.findings, weight, |source| {
-                source.namings(&found.findings)
-            });
-        }
-        Ok((found, Some(null), namings))
+        Ok((found, Some(null)))
     }
 }
 

@@ -15,7 +15,7 @@ use crate::motion::standing::{Coulomb, judge};
 use crate::schema::{Cause, SHORT, STRUCK, Step, Support};
 use crate::search::find::{Accepted, Columns, Findings, gap};
 use crate::simulator::NominalModel;
-use crate::surrogates::{Naming, Null};
+use crate::surrogates::Null;
 use crate::traces::contact::{Contact, detect};
 use crate::traces::unknown::Misfit;
 use datasets::metrics::Scope;
@@ -58,8 +58,6 @@ pub struct FittedFindings<'a> {
     pub dead: &'a [bool],
     /// Chance level of gains from surrogates, where they were drawn.
     pub null: Option<&'a Null>,
-    /// Evidence for the name of each accepted cause; empty where no surrogates were drawn.
-    pub namings: &'a [Option<Naming>],
     /// Structure in the residual of each joint beside the causes.
     pub left: &'a [Option<Misfit>],
     /// Search for pushes in the held-out recording: none where it is off, else whether joints in motion are searched, too.
@@ -197,12 +195,10 @@ pub fn explain(
         values.push(removed.value(&deviation));
         added.push(Added::by(part.effect, part.accepted));
         let cause = part.accepted.map(|c| &found.accepted[c]);
-        // Of a trace that names by itself nobody has counted how often it is right.
-        let judged = |c: &usize| found.candidate(*c).shown.is_none();
-        let support = part.accepted.filter(judged).and_then(|c| {
-            let naming = said.namings.get(c)?.as_ref()?;
-            Support::new(found, &found.accepted[c], naming, said.null?, said.left)
-        });
+        // Of a trace that names by itself, and of a few seconds, nobody has counted how often a name is right.
+        let judged = |c: &usize| found.candidate(*c).shown.is_none() && !short;
+        let support = part.accepted.filter(judged);
+        let support = support.and_then(|c| Support::new(found, &found.accepted[c], said.left));
         let pushes = if contact {
             let data = said
                 .contact

@@ -162,10 +162,6 @@ pub struct Push {
 pub struct Support {
     /// Gain over the best other name, parameters and the same effect at another place included, nats.
     pub lead: f64,
-    /// Log of the cause's likelihood over that of its rivals together, from simulations of each.
-    pub likeness: f64,
-    /// Ratio of the gain to the one that chance reaches in one recording of a hundred.
-    pub over_chance: f64,
     /// Structure in the residual of its joints, relative to their torque.
     pub left: f64,
 }

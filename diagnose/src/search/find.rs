@@ -13,7 +13,6 @@ use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
 use crate::motion::scene::{Scale, Scene};
-use crate::search::by_evidence;
 use crate::search::dictionary::Dictionary;
 use crate::search::model_comparison::{Answer, Comparison, Simplest};
 use crate::search::objective::Objective;
@@ -22,7 +21,7 @@ use crate::search::select::CandidateScore;
 use crate::search::session::Session;
 use crate::search::short_recordings::pieces;
 use crate::search::tables::Tables;
-use crate::settings::{By, Rule, Settings};
+use crate::settings::{Rule, Settings};
 use crate::simulator::NominalModel;
 use crate::traces::impacts::Blows;
 use crate::traces::order::Orders;
@@ -208,10 +207,6 @@ pub fn find(
     }
     let dictionary = Dictionary::new(data.dof(), &candidates);
     let tables = session.tables.further(&dictionary, &scene, data);
-    let unknown = match settings.search.by {
-        By::Rules => Vec::new(),
-        By::Evidence => by_evidence::features(&scene, data),
-    };
     // Derivatives of the scene are freed before the sums of products take their memory.
     drop(scene);
     let grams = tables.grams(&y, weight, folds);
@@ -223,23 +218,8 @@ pub fn find(
         model,
         chance,
     };
-    let mut answer = match settings.search.by {
-        By::Rules => simplest.answer(),
-        By::Evidence => by_evidence::answer(
-            &simplest,
-            &by_evidence::Material {
-                tables: &tables,
-                features: unknown,
-                y: &y,
-                residual: data.table_thin(&residual),
-                weight,
-                frame: data,
-                torque: &scale.torque,
-            },
-        ),
-    };
-    if settings.search.by == By::Rules && off.applies(Rule::Short, data.is_short(&settings.ladder))
-    {
+    let mut answer = simplest.answer();
+    if off.applies(Rule::Short, data.is_short(&settings.ladder)) {
         let rows = |fold: &Fold| fold.scored.iter().map(ExactSizeIterator::len).sum();
         let rows: Vec<usize> = folds.iter().map(rows).collect();
         let pieces = pieces(&rows, settings.ladder.piece * data.row_rate());

@@ -1,7 +1,6 @@
 //! Search for causes: from the candidates of the catalogue to those that explain the recording.
 
 mod acceptance;
-mod by_evidence;
 pub(crate) mod dictionary;
 pub(crate) mod find;
 pub(crate) mod model_comparison;

@@ -224,19 +224,6 @@ impl<'a> Simplest<'a> {
     fn run(&self, freedom: Freedom, barred: HashSet<usize>) -> Run<'a> {
         let search = self.search(self.objective.base(self.model, freedom), barred);
         let selection = search.run();
-        self.compared(search, selection)
-    }
-
-    /// Answer with the causes `accepted`, which were chosen by other means, under tolerances times `freedom`.
-    pub(super) fn given(&self, freedom: Freedom, accepted: Vec<usize>) -> Answer<'a> {
-        let search = self.search(self.objective.base(self.model, freedom), HashSet::new());
-        let fit = search.fit(&accepted);
-        let selection = Selection { accepted, fit };
-        self.compared(search, selection).answer(|_| None)
-    }
-
-    /// Selection of a search, compared with the free refit.
-    fn compared(&self, search: Search<'a>, selection: Selection<'a>) -> Run<'a> {
         let accepted = &selection.accepted;
         let own = self.relative(&selection.fit);
         let over_refit = (0..accepted.len())

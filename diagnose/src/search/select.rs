@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 const CONTENDERS: usize = 40;
 
 /// Number of a body's first parameters that are mass and first moments.
-pub(super) const MOMENTS: usize = 4;
+const MOMENTS: usize = 4;
 
 /// Score of a candidate that is added to a fit.
 #[derive(Clone, Debug)]
@@ -358,7 +358,7 @@ pub(crate) fn without(accepted: &[usize], i: usize) -> Vec<usize> {
 }
 
 /// Whether a coefficient is within its bound.
-pub(super) fn allowed(gamma: f64, bound: Bound) -> bool {
+fn allowed(gamma: f64, bound: Bound) -> bool {
     match bound {
         Bound::Free => gamma.is_finite(),
         Bound::Positive => gamma > 0.0,

@@ -74,10 +74,7 @@ impl Tables {
     }
 
     /// Values of the columns that act on a joint, in the order of [`Layout::active`].
-    pub(super) fn columns(
-        &self,
-        joint: usize,
-    ) -> impl ExactSizeIterator<Item = ArrayView1<'_, f64>> {
+    fn columns(&self, joint: usize) -> impl ExactSizeIterator<Item = ArrayView1<'_, f64>> {
         let (shared, own) = (&self.shared[joint], &self.own[joint]);
         let first = shared.nrows();
         (0..first + own.nrows()).map(move |p| {
@@ -86,16 +83,6 @@ impl Tables {
             } else {
                 own.row(p - first)
             }
-        })
-    }
-
-    /// Values of one column on the rows of a joint; none where it does not act there.
-    pub(super) fn column(&self, joint: usize, column: usize) -> Option<ArrayView1<'_, f64>> {
-        let place = self.layout.position(joint, column)?;
-        let (shared, own) = (&self.shared[joint], &self.own[joint]);
-        Some(match place.checked_sub(shared.nrows()) {
-            None => shared.row(place),
-            Some(further) => own.row(further),
         })
     }
 

@@ -53,9 +53,9 @@ settings! {
 settings! {
     /// Model of the probability that a cause has the right name.
     ConfidenceSettings {
-        /// Weights of the log-odds: constant, ln(1 + lead), likeness, ln(1 + gain over chance), ln(1 +
-        /// structure left in %). Without weights no confidence is given.
-        weights: Option<[f64; 5]> = Some([1.414, 1.057, -0.090, 0.037, -1.532]), tuned;
+        /// Weights of the log-odds: constant, ln(1 + lead), ln(1 + structure left in %). Without weights no confidence
+        /// is given.
+        weights: Option<[f64; 3]> = Some([1.414, 1.057, -1.532]), tuned;
     }
 }
 

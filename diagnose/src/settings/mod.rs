@@ -33,7 +33,7 @@ pub use measure::{
     VerdictSettings,
 };
 pub use motion::MotionSettings;
-pub use rules::{By, Off, Rule};
+pub use rules::{Off, Rule};
 pub use search::SearchSettings;
 pub use traces::{BlowSettings, ContactSettings, StructureSettings, TraceSettings};
 

@@ -91,20 +91,6 @@ impl Rule {
     }
 }
 
-/// What decides which causes are named.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum By {
-    /// Forward search whose causes pass the rules and thresholds of acceptance.
-    #[default]
-    Rules,
-    /// Posterior probability of sets of causes, under a noise with something unknown on every joint.
-    Evidence,
-}
-
-impl Scaled for By {
-    fn scale(&mut self, _: f64) {}
-}
-
 /// Rules that are switched off, and those that decided something. Clones share the record of what decided.
 #[derive(Clone, Debug, Default)]
 pub struct Off {

@@ -1,6 +1,6 @@
 //! Thresholds by which the search accepts a cause.
 
-use super::rules::{By, Off};
+use super::rules::Off;
 
 settings! {
     /// Thresholds by which the search accepts a cause.
@@ -97,8 +97,6 @@ settings! {
         wider: [f64; 4] = [1.0, 4.0, 16.0, 100.0], tuned;
         /// Special rules that are switched off, for an ablation.
         off: Off = Off::default(), contract;
-        /// What decides which causes are named.
-        by: By = By::Rules, contract;
         /// Most causes that are accepted.
         most_causes: usize = 24, tuned;
     }

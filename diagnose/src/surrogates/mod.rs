@@ -7,14 +7,12 @@
 //! so could be a cause. Only products with the torque change, so the catalogue is searched on each surrogate by
 //! algebra. Lines over position, which are picked from the torque, are picked again ([`scan`]).
 
-mod naming;
 mod null;
 mod null_torque;
 mod scan;
 #[cfg(test)]
 mod tests;
 
-pub use naming::Naming;
 pub use null::Null;
 
 use crate::algebra::fit::Fit;

@@ -29,7 +29,7 @@ pub enum Proof {
     Score {
         /// Folder of the cases. Reports go into its `reports`. A report that is there already is scored as it is.
         folder: PathBuf,
-        /// Skip all that is computed from surrogate recordings (p-values, evidence for a cause's name): much faster.
+        /// Skip all that is computed from surrogate recordings (p-values, the level of chance): much faster.
         #[arg(long)]
         fast: bool,
     },
@@ -117,12 +117,9 @@ pub struct Sealed {
     /// Folder of an earlier run of the same program: its cases also count for the weights. May be repeated.
     #[arg(long, value_name = "DIR", requires = "calibrate")]
     pub with: Vec<PathBuf>,
-    /// Skip all that is computed from surrogate recordings (p-values, evidence for a cause's name): much faster.
+    /// Skip all that is computed from surrogate recordings (p-values, the level of chance): much faster.
     #[arg(long)]
     pub fast: bool,
-    /// Name causes by their posterior probability, instead of the rules of the search. On trial.
-    #[arg(long)]
-    pub by_evidence: bool,
     /// Folder for cases, answers and reports. A case whose report is there already is scored by it,
     /// whatever sensors it had.
     #[arg(long)]
@@ -176,7 +173,7 @@ pub struct Arguments {
     /// Cut-off of the motion's low-pass, Hz, instead of the one chosen from the data.
     #[arg(long, value_name = "F", value_parser = cutoff)]
     pub cutoff_hz: Option<f64>,
-    /// Skip all that is computed from surrogate recordings (p-values, evidence for a cause's name): much faster.
+    /// Skip all that is computed from surrogate recordings (p-values, the level of chance): much faster.
     #[arg(long)]
     pub fast: bool,
     /// Also train a compensator and say how much of the rest of the gap it would close.

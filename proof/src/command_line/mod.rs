@@ -10,7 +10,7 @@ use arguments::{Arguments, Command, Proof, Sealed};
 use clap::CommandFactory;
 use datasets::write::{curves_ending, write_curves};
 use diagnose::directory::Directory;
-use diagnose::settings::{By, Rule};
+use diagnose::settings::Rule;
 use diagnose::{DiagnoseError, Done, Job, Options, SURROGATES, Subject, patch, words};
 use indicatif::ProgressBar;
 use physics::robot::Description;
@@ -283,18 +283,14 @@ fn prove_sealed(proof: &Sealed) -> Result<(), prove::ProveError> {
         calibrate,
         with,
         fast,
-        by_evidence,
         out,
         link_encoders,
         temperatures,
     } = proof;
-    let mut options = Options {
+    let options = Options {
         surrogates: if *fast { 0 } else { SURROGATES },
         ..Options::default()
     };
-    if *by_evidence {
-        options.settings.search.by = By::Evidence;
-    }
     let bar = ProgressBar::new(*cases);
     let (only, out) = (only.as_deref(), out.as_deref());
     let draw = prove::Draw {

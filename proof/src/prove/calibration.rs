@@ -72,7 +72,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    const TRUTH: [f64; WEIGHTS] = [-4.5, 0.6, 0.4, 0.8, -0.5];
+    const TRUTH: [f64; WEIGHTS] = [-1.5, 0.8, -0.5];
 
     /// Cases of one name each, drawn with the true weights.
     fn cases(count: usize) -> Vec<Score> {
@@ -80,8 +80,6 @@ mod tests {
         let mut one = || {
             let support = Support {
                 lead: rng.random_range(0.0..100.0),
-                likeness: rng.random_range(-5.0..5.0),
-                over_chance: rng.random_range(1.0..50.0),
                 left: rng.random_range(0.0..0.2),
             };
             let right = rng.random_bool(probability(&support.terms(), &TRUTH));

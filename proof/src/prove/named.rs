@@ -45,7 +45,7 @@ mod tests {
             {"effect": "payload", "scope": "global", "joints": ["f"]}]});
         let cause = |effect: &str, joint: &str, lead: f64| {
             json!({"effect": effect, "joints": [joint],
-                "support": {"lead": lead, "likeness": 1.0, "over_chance": 2.0, "left": 0.0}})
+                "support": {"lead": lead, "left": 0.0}})
         };
         let report = json!({"causes": [cause("backlash", "a", 9.0), cause("backlash", "b", 4.0), cause("payload", "c", 7.0),
             {"effect": "friction_parameters", "joints": ["a"], "support": null}]});
