@@ -107,6 +107,7 @@ fn sensitivities_are_differences_of_replays() {
     parameters.push(Parameter::new(Kind::Payload(0), 0));
     parameters.push(Parameter::new(Kind::Payload(2), 0));
     parameters.push(Parameter::new(Kind::Payload(4), 0));
+    parameters.push(Parameter::new(Kind::LinkScale, 5));
     let (n, p) = (arm.dof(), parameters.len());
     let mut last = Vec::new();
     roll(&arm, &track, &parameters, &mut |_, _, dq| {

@@ -25,6 +25,7 @@ use effort::{LAST, SKETCH};
 use evidence::{Decision, Problem};
 use expand::{expand, families, hypotheses};
 use free::{Entry, always, pinned};
+use refit::from_either;
 use visited::{Visited, largest};
 
 /// Result of the search: the most probable set of mechanisms, the fit with it, and signs of unknown torques.
@@ -176,7 +177,8 @@ impl Search<'_> {
         let free = self.free(&set);
         let mut start = pinned(self.given, about, &free);
         start.step = effort.step;
-        let fitted = fit(&start, &free, self.blocks(), noises, effort, None)?;
+        let own = |start: &Arm| fit(start, &free, self.blocks(), noises, effort, None);
+        let fitted = from_either(self.given, &start, own)?;
         Ok(Visited { set, free, fitted })
     }
 

@@ -36,7 +36,25 @@ pub fn refit(
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
     let start = start(given, replayed, found, set, &free, effort);
     let start = pinned(given, &start, &free);
-    Ok(descend(&start, &free, blocks, noise, effort, None)?.arm)
+    let own = |start: &Arm| Ok(descend(start, &free, blocks, noise, effort, None)?.arm);
+    from_either(given, &start, own)
+}
+
+/// Result of a fit that starts from `start`, or from the given arm where `start` cannot be simulated: without what other parameters
+/// did in the fit from which it comes, a mass matrix need not be positive.
+///
+/// # Errors
+/// The simulator as given is unstable.
+pub(super) fn from_either<T>(
+    given: &Given,
+    start: &Arm,
+    fit: impl Fn(&Arm) -> Result<T, Unstable>,
+) -> Result<T, Unstable> {
+    fit(start).or_else(|_| {
+        let mut arm = given.arm.clone();
+        arm.step = start.step;
+        fit(&arm)
+    })
 }
 
 /// Arm from which the fit of another set starts: the search's own fit of that set, or one that is predicted from the
@@ -73,7 +91,7 @@ pub fn refit_finely(
     let free = free(given, &found.mechanisms, set, &always);
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
     let start = start(given, replayed, found, set, &free, NEXT);
-    let fitted = finely(&start, &free, blocks, noise)?;
+    let fitted = from_either(given, &start, |start| finely(start, &free, blocks, noise))?;
     Ok((free, fitted))
 }
 
