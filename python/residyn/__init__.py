@@ -12,6 +12,7 @@ The numbers are those of the programs `train`, `eval`, `diagnose` and `replay`, 
 
 from ._residyn import InputError, Robot
 from .accumulator import Accumulator, Identified, Parameter
+from .compensated import Compensated
 from .diagnosis import Cause, Place, Push, Report, Step, diagnose
 from .model import Model, Prediction, identify, train
 from .motion import ReplayReport, ReplayStep, replay
@@ -20,6 +21,7 @@ from .recording import Recording
 __all__ = [
     "Accumulator",
     "Cause",
+    "Compensated",
     "Identified",
     "InputError",
     "Model",

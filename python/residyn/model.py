@@ -84,6 +84,11 @@ class Model:
         q, qd, qdd = (np.ascontiguousarray(x, dtype=np.float64) for x in (q, qd, qdd))
         return self._inner.torque(q, qd, qdd)
 
+    @property
+    def compensation(self) -> Optional[np.ndarray]:
+        """The compensator's part of the last `torque`, N·m (N), by joint; None where the model has no compensator."""
+        return self._inner.compensation
+
     def reset(self, clock: Optional[float] = None) -> None:
         """Forgets the motion so far."""
         self._inner.reset(clock)

@@ -65,6 +65,13 @@ impl Model {
         Ok(tau.into_pyarray(py))
     }
 
+    /// Compensator's part of the last torque, N·m or N, by joint; none without one.
+    #[getter]
+    fn compensation<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let part = self.runtime.compensation()?;
+        Some(PyArray1::from_slice(py, part))
+    }
+
     /// Forgets the motion; `clock` is the time on the recordings' clock where it is known, s.
     #[pyo3(signature = (clock=None))]
     fn reset(&mut self, clock: Option<f64>) {

@@ -5,7 +5,7 @@ mod follows;
 mod unusable;
 
 use clock::clock;
-use datasets::Recording;
+use datasets::{Recording, Trajectory};
 use follows::{FOLLOWED, Follows, RELATED, SLOWEST};
 use ndarray::Array2;
 use std::f64::consts::PI;
@@ -71,7 +71,7 @@ pub(crate) fn check(
     let known: Vec<Follows> = both.iter().map(own).collect();
     order(recording, command, &both, &known, lags)?;
     for (&j, follows) in both.iter().zip(&known) {
-        unit_and_sign(recording, command, j, follows)?;
+        unit_and_sign(recording, command, j, follows, SLOWEST + lags[j])?;
     }
     clock(recording, command, &both, lags)?;
     let each = known.iter().map(|f| f.drive[0]).collect();
@@ -177,25 +177,30 @@ const UNITS: [(f64, &str); 3] = [
     (1000.0, "millimetres beside metres"),
 ];
 
-/// Refuses commands of joint `j` with the opposite sign, or in another unit.
+/// Refuses commands of joint `j` with the opposite sign, or in another unit. `slowest` is the longest delay that its drive may have, s.
 fn unit_and_sign(
     recording: &Recording,
     command: &Array2<f64>,
     j: usize,
     follows: &Follows,
+    slowest: f64,
 ) -> Result<(), Unusable> {
     let source_name = recording.source.clone();
-    if follows.drive[1] < -FOLLOWED && follows.drive[0] < RELATED {
+    let ratio = deviation(command, j) / deviation(&recording.q, j);
+    // Tolerance of a factor 2: the range of a drive that follows is within half and twice the command's.
+    let is = |unit: f64| (0.5..2.0).contains(&(ratio / unit));
+    // A joint at its torque limit hardly moves, and any way. One of the other sign moves as far, and in every trajectory.
+    let follows_in = |t: &Trajectory| {
+        Follows::over(recording, command, [j, j], &t.range, slowest).drive[0] > RELATED
+    };
+    let against = follows.drive[1] < -FOLLOWED && follows.drive[0] < RELATED && is(1.0);
+    if against && !recording.trajectories.iter().any(follows_in) {
         return Err(Unusable::Sign {
             source_name,
             joint: j + 1,
         });
     }
-    let ratio = deviation(command, j) / deviation(&recording.q, j);
-    // Tolerance of a factor 2: the range of a drive that follows is within half and twice the command's.
-    let unit = UNITS
-        .iter()
-        .find(|(u, _)| (0.5..2.0).contains(&(ratio / u)));
+    let unit = UNITS.iter().find(|(u, _)| is(*u));
     match unit.filter(|_| follows.best.1 > FOLLOWED) {
         Some((_, meaning)) => Err(Unusable::Unit {
             source_name,
@@ -222,4 +227,38 @@ fn deviation(table: &Array2<f64>, j: usize) -> f64 {
     let column = table.column(j);
     let mean = column.mean().unwrap_or(0.0);
     (column.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / column.len() as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A joint that moves `by` times its command in each of two trajectories of ten seconds.
+    fn refused(by: [f64; 2]) -> Option<Unusable> {
+        let rows = 1000;
+        let command = |row: usize| (0.02 * row as f64).sin() + 0.3 * (0.071 * row as f64).sin();
+        let at = |row: usize| [by[0], by[1]][row / rows] * command(row);
+        let table =
+            |of: &dyn Fn(usize) -> f64| Array2::from_shape_fn((2 * rows, 1), |(i, _)| of(i));
+        let time = (0..2 * rows).map(|i| 0.01 * i as f64).collect();
+        let mut recording = Recording::new("a joint", time, table(&at), None);
+        recording.trajectories = [0..rows, rows..2 * rows]
+            .map(|range| Trajectory {
+                label: String::new(),
+                range,
+            })
+            .to_vec();
+        let command = table(&command);
+        let follows = Follows::of(&recording, &command, [0, 0], SLOWEST);
+        unit_and_sign(&recording, &command, 0, &follows, SLOWEST).err()
+    }
+
+    #[test]
+    fn a_turned_sign_moves_as_far_in_every_trajectory() {
+        let turned = |by| matches!(refused(by), Some(Unusable::Sign { .. }));
+        assert!(turned([-1.0, -0.9]));
+        // A joint that its torque limit holds, in one trajectory or in both.
+        assert!(!turned([0.9, -0.02]) && !turned([-0.02, -0.02]));
+        assert!(refused([1.0, 0.9]).is_none());
+    }
 }

@@ -24,8 +24,7 @@ use crate::tracks::Replayed;
 use effort::{LAST, SKETCH};
 use evidence::{Decision, Problem};
 use expand::{expand, families, hypotheses};
-use free::{Entry, always, pinned};
-use refit::from_either;
+use free::{Entry, always, from_either, pinned};
 use visited::{Visited, largest};
 
 /// Result of the search: the most probable set of mechanisms, the fit with it, and signs of unknown torques.

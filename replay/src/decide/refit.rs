@@ -2,7 +2,7 @@
 
 use super::Found;
 use super::effort::{LAST, NEXT};
-use super::free::{free, pinned, tolerated};
+use super::free::{free, from_either, pinned, tolerated};
 use super::neighbour;
 use crate::arm::Arm;
 use crate::fit::{Effort, Fitted, Free, Noise, descend, fit};
@@ -38,23 +38,6 @@ pub fn refit(
     let start = pinned(given, &start, &free);
     let own = |start: &Arm| Ok(descend(start, &free, blocks, noise, effort, None)?.arm);
     from_either(given, &start, own)
-}
-
-/// Result of a fit that starts from `start`, or from the given arm where `start` cannot be simulated: without what other parameters
-/// did in the fit from which it comes, a mass matrix need not be positive.
-///
-/// # Errors
-/// The simulator as given is unstable.
-pub(super) fn from_either<T>(
-    given: &Given,
-    start: &Arm,
-    fit: impl Fn(&Arm) -> Result<T, Unstable>,
-) -> Result<T, Unstable> {
-    fit(start).or_else(|_| {
-        let mut arm = given.arm.clone();
-        arm.step = start.step;
-        fit(&arm)
-    })
 }
 
 /// Arm from which the fit of another set starts: the search's own fit of that set, or one that is predicted from the
