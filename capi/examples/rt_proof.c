@@ -2,12 +2,14 @@
    Calls residyn_tick TICKS times (a million unless given) on a motion of sines, unpaced, with all memory locked, and counts what a loop
    must not do: allocations (this program stands in for malloc and its kin), page faults, waits. A child does the same behind a filter
    of the kernel that ends it at its first system call. Then, in a loop of its own, the thread CPU time of each tick is taken: median,
-   99.9 %, 99.999 %, largest. Exit status 1 where a loop did what it must not. Linux. */
+   99.9 %, 99.999 %, largest; and the time by the clock as a histogram, which other programs and the scheduler widen. The same is timed
+   with motion that has faded to denormal numbers. Exit status 1 where a loop did what it must not. Linux. */
 #define _GNU_SOURCE
 #include <residyn.h>
 
 #include <errno.h>
 #include <math.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +18,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
+#include <sys/utsname.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -58,10 +61,10 @@ enum { MOST = 64, PATH = 4096 };
 
 static double q[PATH][MOST], qd[PATH][MOST], qdd[PATH][MOST];
 
-/* CPU time of this thread, ns. */
-static long long now(void) {
+/* Time by a clock, ns. */
+static long long now(clockid_t clock) {
     struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    clock_gettime(clock, &t);
     return t.tv_sec * 1000000000LL + t.tv_nsec;
 }
 
@@ -91,6 +94,40 @@ static int free_of_system_calls(residyn_model *model, double period, size_t n, l
     }
     int ended = 1;
     return child > 0 && waitpid(child, &ended, 0) == child && WIFEXITED(ended) && WEXITSTATUS(ended) == 0;
+}
+
+/* Classes of time by the clock: below 2^i us. */
+enum { CLASSES = 16 };
+
+/* Thread CPU time of each of `ticks` ticks from tick `from` on, ns, ascending; the same by the clock is counted in `classes`. */
+static long timed(residyn_model *model, double period, size_t n, long from, long ticks, float *times, long classes[CLASSES]) {
+    long codes = 0;
+    for (long k = 0; k < ticks; ++k) {
+        const long long wall = now(CLOCK_MONOTONIC), start = now(CLOCK_THREAD_CPUTIME_ID);
+        codes += loop(model, period, n, from + k, 1);
+        times[k] = (float)(now(CLOCK_THREAD_CPUTIME_ID) - start);
+        const long long lasted = now(CLOCK_MONOTONIC) - wall;
+        int class = 0;
+        while (class < CLASSES - 1 && lasted >= (1000LL << class)) {
+            ++class;
+        }
+        ++classes[class];
+    }
+    qsort(times, (size_t)ticks, sizeof *times, ascending);
+    return codes;
+}
+
+static void print_classes(const long classes[CLASSES]) {
+    static const char *const policies[] = {"SCHED_OTHER", "SCHED_FIFO", "SCHED_RR", "SCHED_BATCH"};
+    struct utsname system;
+    const int policy = sched_getscheduler(0);
+    uname(&system);
+    printf("by the clock, on %s %s under %s:\n", system.sysname, system.release, policy >= 0 && policy < 4 ? policies[policy] : "another scheduler");
+    for (int i = 0; i < CLASSES; ++i) {
+        if (classes[i] > 0) {
+            printf("  %s %5ld us  %ld\n", i < CLASSES - 1 ? "below" : "above", i < CLASSES - 1 ? 1L << i : 1L << (i - 1), classes[i]);
+        }
+    }
 }
 
 int main(int count, char **given) {
@@ -139,12 +176,8 @@ int main(int count, char **given) {
     getrusage(RUSAGE_THREAD, &after);
     const long faults = after.ru_minflt - before.ru_minflt + after.ru_majflt - before.ru_majflt;
     const long waits = after.ru_nvcsw - before.ru_nvcsw;
-    for (long k = 0; k < ticks; ++k) {
-        const long long start = now();
-        codes += loop(model, period, n, 2000 + ticks + k, 1);
-        times[k] = (float)(now() - start);
-    }
-    qsort(times, (size_t)ticks, sizeof *times, ascending);
+    long classes[CLASSES] = {0}, faded[CLASSES] = {0};
+    codes += timed(model, period, n, 2000 + ticks, ticks, times, classes);
     const double shares[] = {0.5, 0.999, 0.99999, 1.0};
     double at[4];
     for (int i = 0; i < 4; ++i) {
@@ -155,6 +188,19 @@ int main(int count, char **given) {
     printf("allocations %ld, page faults %ld, waits %ld, system calls %s, codes other than RESIDYN_OK %ld\n", allocated, faults, waits,
            quiet ? "0" : "some", codes);
     printf("thread CPU time of a tick: median %.1f us, 99.9 %% %.1f us, 99.999 %% %.1f us, largest %.1f us\n", at[0], at[1], at[2], at[3]);
+    print_classes(classes);
+    /* Arithmetic on numbers below 2^-1022 is many times slower on some processors. */
+    for (size_t k = 0; k < PATH; ++k) {
+        for (size_t j = 0; j < n; ++j) {
+            qd[k][j] *= 1e-310;
+            qdd[k][j] *= 1e-310;
+            q[k][j] = 0.4 + q[k][j] * 1e-310;
+        }
+    }
+    const long few = ticks / 10;
+    codes += loop(model, period, n, 2000 + 2 * ticks, PATH);
+    codes += timed(model, period, n, 2000 + 2 * ticks + PATH, few, times, faded);
+    printf("at rest, with denormal velocities: median %.1f us, 99.9 %% %.1f us\n", times[few / 2] * 1e-3, times[(long)(0.999 * (double)(few - 1))] * 1e-3);
     free(times);
     residyn_free(model);
     /* Memory that is not locked the kernel may take and give back as it likes. */

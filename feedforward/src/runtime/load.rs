@@ -100,6 +100,7 @@ impl Feedforward {
             period,
             clock: None,
             elapsed: 0.0,
+            motion: std::array::from_fn(|_| vec![0.0; json.physics.joints.len()]),
             known: json.clock,
             memory: json.memory,
             names: json.physics.joints,

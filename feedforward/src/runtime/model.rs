@@ -32,6 +32,8 @@ pub struct Feedforward {
     pub(super) memory: Vec<Memory>,
     /// Names of the joints, base first.
     pub(super) names: Vec<String>,
+    /// Motion of this period without denormal numbers, with which arithmetic is slow: positions, velocities, accelerations.
+    pub(super) motion: [Vec<f64>; 3],
 }
 
 impl Feedforward {
@@ -143,6 +145,13 @@ impl Feedforward {
             self.miss(1);
             return;
         }
+        for (own, given) in self.motion.iter_mut().zip([q, qd, qdd]) {
+            own.copy_from_slice(given);
+            own.iter_mut()
+                .filter(|v| v.is_subnormal())
+                .for_each(|v| *v = 0.0);
+        }
+        let [q, qd, qdd] = &self.motion;
         let dt = std::mem::replace(&mut self.elapsed, self.period);
         self.predictor.step(self.clock, dt, q, qd, qdd, tau);
         if let Some(residual) = &mut self.residual {

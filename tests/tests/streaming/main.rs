@@ -179,6 +179,7 @@ fn same_torque_as_eval_at_the_recorded_rate() {
             "{worst} N·m from eval, start {start} s, pause {pause} s"
         );
         a_sample_that_is_not_finite(&model, &motion.at_samples);
+        a_motion_of_denormal_numbers(&model);
         if (start, pause, known) == (next, 2.0, true) {
             // The last one: its memory comes from the training's clock, and its trajectories follow each other.
             let rows = embedded::rows(&motion.at_samples, &expected);
@@ -214,6 +215,19 @@ fn a_sample_that_is_not_finite(model: &Feedforward, motion: &Motion) {
         }
     }
     assert!(worst < 1e-3 * largest, "{worst} of {largest} N·m");
+}
+
+/// Denormal numbers, with which arithmetic is slow, count as zero.
+fn a_motion_of_denormal_numbers(model: &Feedforward) {
+    let [mut still, mut fading] = [model.clone(), model.clone()];
+    let n = model.dof();
+    let (zero, faint, q) = (vec![0.0; n], vec![1e-310; n], vec![0.4; n]);
+    let [mut a, mut b] = [(); 2].map(|()| vec![0.0; n]);
+    for _ in 0..20 {
+        still.torque(&q, &zero, &zero, &mut a);
+        fading.torque(&q, &faint, &faint, &mut b);
+        assert_eq!(a, b);
+    }
 }
 
 /// A network of 100 Hz goes with no loop in which its windows were twice as long, or its copies without number.
