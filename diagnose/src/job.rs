@@ -8,13 +8,13 @@ use crate::error::DiagnoseError;
 use crate::input::given::Given;
 use crate::input::{before, budget};
 use crate::outcome::Outcome;
-use crate::report::{page, trace};
+use crate::report::{layouts, page, trace};
 use crate::schema::Compared;
 use datasets::Recording;
 use datasets::write::Curves;
 use model::preparation::setup::refuse_overlap;
 use model::residual::ResidualError;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Number of surrogates of a recording: the least p-value that they give is 1/200.
 pub const SURROGATES: u64 = 199;
@@ -268,6 +268,11 @@ impl Done {
     /// Torque over time of the held-out recording: measured, as given, corrected and what is left, joint by joint.
     pub fn trace(&self) -> Curves<'_> {
         trace::curves(&self.outcome)
+    }
+
+    /// Layouts in which PlotJuggler and Foxglove show the trace, for the folder that it is written to: paths and texts.
+    pub fn layouts(&self, trace: &Path) -> Vec<(PathBuf, String)> {
+        layouts::files(&self.trace(), trace)
     }
 
     /// The report as a self-contained page.

@@ -43,7 +43,7 @@ mod simulator;
 mod surrogates;
 mod traces;
 
-pub use crate::report::{page, words};
+pub use crate::report::{layouts, page, words};
 pub use advice::visibility::{Visible, visible};
 pub use advice::{directory, next_motion, patch};
 pub use catalogue::choice::Choice;

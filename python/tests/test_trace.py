@@ -1,6 +1,8 @@
 """`diagnose --trace`: torque over time in the two formats that plotters read, and the report's own errors in it."""
 
 import json
+import re
+import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
@@ -15,9 +17,10 @@ def traced(program, tmp_path_factory):
     folder = tmp_path_factory.mktemp("demo")
     program("residyn", "demo", "--out", folder)
     given = ("diagnose", "--robot", folder / "robot.urdf", "--data", folder / "monday.parquet", "--heldout", folder / "friday.parquet", "--fast")
-    for name in ("trace.parquet", "trace.mcap"):
+    for name, beside in (("trace.parquet", []), ("trace.mcap", ["trace.plotjuggler.xml", "trace.foxglove.json"])):
         said = program(*given, "--json", folder / "report.json", "--trace", folder / name)
-        assert f"Written: {folder / name}" in said.stdout
+        written = re.findall(r"^Written: (.*)$", said.stdout, re.M)
+        assert set(written) == {str(folder / n) for n in ["report.json", name, *beside]}
     return folder
 
 
@@ -55,3 +58,28 @@ def test_messages_are_the_columns(traced):
         assert logged == pytest.approx(1e9 * trace["time"][row], abs=1)
         for name in ("measured", "as_given", "corrected", "residual"):
             assert message[joint][name] == trace[f"{joint}/{name}"][row]
+
+
+def test_layouts_name_the_curves_of_the_messages(traced):
+    with open(traced / "trace.mcap", "rb") as file:
+        _, channel, message = next(reader.make_reader(file).iter_messages())
+    first = json.loads(message.data)
+    joints = [name for name, value in first.items() if isinstance(value, dict)]
+    wanted = {(joint, curve) for joint in joints for curve in first[joint]}
+
+    # PlotJuggler joins topic and fields with slashes; opened in this folder it finds the file.
+    root = ElementTree.parse(traced / "trace.plotjuggler.xml").getroot()
+    assert root.find("previouslyLoaded_Datafiles/fileInfo").get("filename") == "trace.mcap"
+    assert root.find("previouslyLoaded_Datafiles/fileInfo/selected_datasources").get("value") == channel.topic
+    named = [curve.get("name") for curve in root.iter("curve")]
+    assert set(named) == {f"{channel.topic}/{joint}/{curve}" for joint, curve in wanted} and len(named) == len(wanted)
+    for splitter in root.iter("DockSplitter"):
+        assert int(splitter.get("count")) == len(splitter.findall("DockArea")) == len(splitter.get("sizes").split(";")) == len(joints)
+
+    # Foxglove: every panel of a tab is configured, every path leads to a number.
+    layout = json.loads((traced / "trace.foxglove.json").read_text())
+    panels = layout["configById"]
+    placed = re.findall(r'"(Plot![^"]+)"', json.dumps(panels[layout["layout"]]["tabs"]))
+    assert sorted(placed) == sorted(name for name in panels if name.startswith("Plot!"))
+    paths = [path["value"].removeprefix(channel.topic + ".") for name in placed for path in panels[name]["paths"]]
+    assert {tuple(path.split(".")) for path in paths} == wanted and len(paths) == len(wanted)

@@ -21,6 +21,7 @@ pub(super) const INFO: Info = Info {
         Effect::StribeckFriction,
         Effect::Backlash,
         Effect::JointElasticity,
+        Effect::TimeDelay,
     ],
     friction: true,
     least_fraction: 0.06,

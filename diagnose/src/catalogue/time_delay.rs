@@ -20,7 +20,11 @@ const CORNER: &str = "corner";
 pub(super) const INFO: Info = Info {
     name: "time_delay",
     plain: "a time shift between torque and motion",
-    confounders: &[Effect::JointElasticity, Effect::Backlash],
+    confounders: &[
+        Effect::JointElasticity,
+        Effect::Backlash,
+        Effect::PreslidingHysteresis,
+    ],
     place: Some("comment in the MJCF"),
     by_hand: of_actuators,
     remedy: "shift the torque in the recording, or delay the actuator ({})",

@@ -189,7 +189,7 @@ pub struct Arguments {
     #[arg(long)]
     pub html: Option<PathBuf>,
     /// Write torque over time of the held-out recording for PlotJuggler or Foxglove (.mcap, .parquet): measured, as given, corrected and
-    /// what is left, joint by joint.
+    /// what is left, joint by joint. Beside an .mcap lie layouts for both.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     /// Write the model with the accepted causes. Of an MJCF: the whole model, ready for MuJoCo; else a URDF, and beside it a

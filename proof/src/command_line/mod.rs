@@ -11,7 +11,7 @@ use clap::CommandFactory;
 use datasets::write::{curves_ending, write_curves};
 use diagnose::directory::Directory;
 use diagnose::settings::Rule;
-use diagnose::{DiagnoseError, Done, Job, Options, SURROGATES, Subject, patch, words};
+use diagnose::{DiagnoseError, Done, Job, Options, SURROGATES, Subject, layouts, patch, words};
 use indicatif::ProgressBar;
 use physics::robot::Description;
 use std::ffi::OsString;
@@ -61,7 +61,12 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         &arguments.next,
         &arguments.trace,
     ];
-    report::write::prepare(outputs.into_iter().flatten())?;
+    let beside: Vec<PathBuf> = arguments
+        .trace
+        .iter()
+        .flat_map(|p| layouts::paths(p))
+        .collect();
+    report::write::prepare(outputs.into_iter().flatten().chain(&beside))?;
     if let Some(path) = &arguments.trace {
         curves_ending(path)?;
     }
@@ -191,6 +196,9 @@ fn files(
     }
     if let (Some(path), Some(patch)) = (&arguments.patch, patch) {
         files.extend(patch.files(path)?);
+    }
+    if let Some(path) = &arguments.trace {
+        files.extend(done.layouts(path));
     }
     Ok(files)
 }
