@@ -2,7 +2,7 @@
 """Exit 1 where pages are not as readers need them.
 
 Looked at: lines, width and words of a sentence of the pages that people read first (code and tables count as lines alone); a page
-for every effect of both catalogues, with its five headings; relative links of the documentation.
+for every effect of both catalogues, with its five headings; relative links of the documentation; options in its command lines.
 
 usage: pages.py      in the repository
 """
@@ -105,12 +105,26 @@ def links():
                 yield f"{page}: the link to {target} leads nowhere"
 
 
+def options():
+    """Options that a command line of the documentation gives to a program and that its page of commands does not list."""
+    pages = {path.stem: path.read_text() for path in Path("docs/commands").glob("*.md")}
+    known = {name: set(re.findall(r"--[a-z][a-z-]+", text)) for name, text in pages.items()}
+    called = re.compile(rf"\s*(?:residyn )?({'|'.join(known)}) (?=[^=:]*--)(.*)")
+    for page in [Path("README.md"), Path("python/README.md"), *Path("docs").glob("*.md"), *Path("docs").glob("[et]*/*.md")]:
+        text = page.read_text()
+        code = re.findall(r"`([^`\n]+)`", text) + re.findall(r"(?:^ {4}.*\n)+", text, re.M) + re.findall(r"```sh\n(.*?)```", text, re.S)
+        for line in "\n".join(code).replace("\\\n", " ").split("\n"):
+            found = called.match(line)
+            given = re.findall(r"(?<![\w-])--[a-z][a-z-]+", re.split(r" && |; ", found[2])[0]) if found else []
+            yield from (f"{page}: {found[1]} has no {option}: {line.strip()[:80]}" for option in given if option not in known[found[1]])
+
+
 def main():
     faults = [fault for page in PAGES for fault in size(*page)]
     for name in PLAIN:
         long = [s for s in sentences(Path(name).read_text()) if len(s.split()) > WORDS]
         faults += [f"{name}: a sentence of {len(s.split())} words, at most {WORDS}: {s[:80]} …" for s in long]
-    faults += [*effects(), *links()]
+    faults += [*effects(), *links(), *options()]
     print("\n".join(faults) or "pages are short enough, every effect has its page, every link leads to a file")
     return 1 if faults else 0
 

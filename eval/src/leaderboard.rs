@@ -50,6 +50,12 @@ pub fn run(contest: &Contest, places: &Places, printed: Printed) -> Result<(), F
             over.stretches,
             over.over
         );
+        for path in [places.json, places.html, places.markdown]
+            .into_iter()
+            .flatten()
+        {
+            say!("Written: {}", path.display());
+        }
     }
     Ok(())
 }

@@ -25,7 +25,7 @@ use model::{page, residual, tables};
 use report::{say, say_text};
 use sources::SourcesError;
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// The command line, as clap takes it.
@@ -128,8 +128,16 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if !arguments.quiet {
         print(&file, &evaluation, arguments.verbose);
+        say_written([&arguments.json, &arguments.html, &arguments.predict]);
     }
     Ok(())
+}
+
+/// Lists the files that were written.
+fn say_written(outputs: [&Option<PathBuf>; 3]) {
+    for path in outputs.into_iter().flatten() {
+        say!("Written: {}", path.display());
+    }
 }
 
 /// Writes the compensator's graph and, beside it, the description of its inputs.

@@ -36,8 +36,9 @@ def test_identify_is_train_to_the_last_bit(program, raw, tmp_path):
         assert (tmp_path / "py" / name).read_bytes() == (tmp_path / "cli" / name).read_bytes(), name
 
     found = model.predict(raw / "test.csv")
-    program("eval", "--model", tmp_path / "cli", "--data", raw / "test.csv", "--quiet", "--json", tmp_path / "eval.json",
-            "--predict", tmp_path / "torque.csv")
+    said = program("eval", "--model", tmp_path / "cli", "--data", raw / "test.csv", "--json", tmp_path / "eval.json",
+                   "--predict", tmp_path / "torque.csv").stdout
+    assert all(f"Written: {tmp_path / name}" in said for name in ("eval.json", "torque.csv"))
     assert found.report == json.loads((tmp_path / "eval.json").read_text())
     printed = np.genfromtxt(tmp_path / "torque.csv", delimiter=",", names=True)
     for j in range(found.torque.shape[1]):

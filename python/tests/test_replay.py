@@ -3,6 +3,7 @@
 import dataclasses
 import importlib.util
 import json
+import subprocess
 
 import numpy as np
 import pytest
@@ -26,10 +27,19 @@ def report(case):
     return residyn.replay(robot, case / "train.parquet", case / "test.parquet", fast=True)
 
 
+def test_an_output_that_cannot_be_written_is_refused_before_work_begins(program, case, tmp_path):
+    with pytest.raises(subprocess.CalledProcessError) as refused:
+        program("replay", "--robot", case / "robot.urdf", "--drive", case / "drive.toml", "--data", case / "train.parquet", "--heldout",
+                case / "test.parquet", "--html", tmp_path / "none/page.html")
+    assert refused.value.returncode == 2 and "none/page.html" in refused.value.stderr and not refused.value.stdout
+
+
 def test_replay_is_the_program(program, case, report, tmp_path):
-    program("replay", "--robot", case / "robot.urdf", "--drive", case / "drive.toml", "--data", case / "train.parquet", "--heldout",
-            case / "test.parquet", "--fast", "--json", tmp_path / "report.json", "--html", tmp_path / "page.html", "--patch", tmp_path / "cli.urdf")
-    assert report.raw == json.loads((tmp_path / "report.json").read_text())
+    said = program("replay", "--robot", case / "robot.urdf", "--drive", case / "drive.toml", "--data", case / "train.parquet", "--heldout",
+                   case / "test.parquet", "--fast", "--json", "-", "--html", tmp_path / "page.html", "--patch", tmp_path / "cli.urdf")
+    # The report alone on standard output, words on standard error.
+    assert report.raw == json.loads(said.stdout)
+    assert f"Written: {tmp_path / 'page.html'}" in said.stderr
     assert report.to_html(tmp_path / "own.html") == (tmp_path / "page.html").read_text() == (tmp_path / "own.html").read_text()
     assert report._repr_html_().startswith("<iframe srcdoc=")
     assert report.ladder[0].step == "as_given" and len(report.causes) == len(report.raw["causes"])

@@ -8,7 +8,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Arguments of a diagnosis.
 #[derive(Args)]
@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Gravity in the base frame, m/s².
     #[arg(long, value_parser = model::preparation::setup::gravity, allow_hyphen_values = true)]
     gravity: Option<[f64; 3]>,
-    /// Write the report as JSON.
+    /// Write the report as JSON; `-` is standard output.
     #[arg(long)]
     json: Option<PathBuf>,
     /// Write the report as a self-contained HTML page.
@@ -67,7 +67,8 @@ pub fn run(arguments: &Arguments) -> ExitCode {
 
 /// Diagnosis, printed and written to the files that were asked for.
 fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
-    check_outputs(arguments)?;
+    let outputs = [&arguments.json, &arguments.html, &arguments.patch];
+    report::write::prepare(outputs.into_iter().flatten())?;
     let job = Job {
         robot: arguments.robot.clone(),
         joints: arguments.joints.clone(),
@@ -81,9 +82,13 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
             ceiling: arguments.ceiling,
         },
     };
+    let begun = Instant::now();
     let spinner = ProgressBar::new_spinner();
     spinner.enable_steady_tick(Duration::from_millis(200));
-    let done = job.run(|stage| spinner.set_message(stage.to_owned()))?;
+    let done = job.run(|stage| {
+        report::say::stage(begun, stage);
+        spinner.set_message(stage.to_owned());
+    })?;
     spinner.finish_and_clear();
     for line in done.lines() {
         report::say!("{line}");
@@ -118,18 +123,6 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
     }
     for (path, _) in &files {
         report::say!("Written: {}", path.display());
-    }
-    Ok(())
-}
-
-/// Refuses output files in folders that do not exist, before any work begins.
-fn check_outputs(arguments: &Arguments) -> Result<(), ReplayError> {
-    let outputs = [&arguments.json, &arguments.html, &arguments.patch];
-    for path in outputs.into_iter().flatten() {
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-        if folder.is_some_and(|p| !p.is_dir()) {
-            return Err(ReplayError::Folder(path.clone()));
-        }
     }
     Ok(())
 }

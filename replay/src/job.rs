@@ -50,9 +50,9 @@ pub enum ReplayError {
     /// File that cannot be written.
     #[error(transparent)]
     Write(#[from] report::WriteError),
-    /// Output file in a folder that does not exist.
-    #[error("{}: its folder does not exist; make it first", .0.display())]
-    Folder(PathBuf),
+    /// Output file that cannot be written, found before work began.
+    #[error(transparent)]
+    Output(#[from] report::write::OutputError),
     /// Held-out recording that is also among the recordings to fit.
     #[error("--heldout {} is among --data: what is measured on it says nothing; give a recording of its own", .0.display())]
     NotHeldOut(PathBuf),

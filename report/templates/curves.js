@@ -9,13 +9,19 @@
     if (text !== undefined) element.textContent = text;
     return element;
   };
+  /* At least two: one alone says no scale. */
   const ticks = (low, high, most) => {
+    const found = [0, 1, 2, 3, 4].map((more) => some(low, high, most + more));
+    return found.find((t) => t.all.length > 1) || found[0];
+  };
+  const some = (low, high, most) => {
     const raw = (high - low) / most, power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw) || raw;
     const all = [];
     for (let k = Math.ceil(low / step); k * step <= high + 1e-9 * step; k++) all.push(k * step);
     return { all, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
   };
+  const label = (value, digits) => value.toFixed(digits).replace("-", "\u2212");
   /* First index whose x is not below `value`. */
   const at = (x, value) => {
     let low = 0, high = x.length;
@@ -64,12 +70,12 @@
       const vertical = ticks(low, high, panel.height / 36), horizontal = ticks(from, to, 9);
       for (const v of vertical.all) {
         svg.append(make("line", { class: Math.abs(v) < 1e-12 ? "z" : "g", x1: left, x2: right, y1: Y(v), y2: Y(v) }));
-        svg.append(make("text", { x: left - 6, y: Y(v) + 4, "text-anchor": "end" }, v.toFixed(vertical.digits)));
+        svg.append(make("text", { x: left - 6, y: Y(v) + 4, "text-anchor": "end" }, label(v, vertical.digits)));
       }
       for (const t of horizontal.all) {
         svg.append(make("line", { class: "g", x1: X(t), x2: X(t), y1: top, y2: bottom }));
         if (index === data.panels.length - 1)
-          svg.append(make("text", { x: X(t), y: bottom + 16, "text-anchor": "middle" }, t.toFixed(horizontal.digits)));
+          svg.append(make("text", { x: X(t), y: bottom + 16, "text-anchor": "middle" }, label(t, horizontal.digits)));
       }
       panel.layers.forEach((layer, l) => {
         let path = "";

@@ -68,6 +68,9 @@ pub fn check(robot: &Robot, reports: &[CheckReport], arguments: &Arguments) {
                 say!("  {:?}: {}", finding.severity, finding.message);
             }
         }
+        if arguments.check_only && report.doctor.is_empty() && report.findings.is_empty() {
+            say!("  nothing is wrong with it");
+        }
     }
 }
 

@@ -108,7 +108,7 @@ fn curves(outcome: &Outcome, heldout: &Replayed) -> Section {
         let panel = Panel::new("rad (m)")
             .line(
                 "command",
-                Ink::Muted,
+                Ink::Series(3),
                 &time,
                 &column(&|r| track.commands[j].value(track.time[r])),
             )
@@ -118,7 +118,7 @@ fn curves(outcome: &Outcome, heldout: &Replayed) -> Section {
                 &time,
                 &column(&|r| track.q[(r, j)]),
             )
-            .line("as given", Ink::Series(1), &time, &simulated(0))
+            .line("as given", Ink::Muted, &time, &simulated(0))
             .line("corrected", Ink::Predicted, &time, &simulated(1));
         figure(&outcome.report.joints[j], panel)
     });

@@ -60,6 +60,15 @@ impl Scale {
             return self.decades(count);
         }
         let (low, high) = self.data;
+        // One tick alone says no scale.
+        (count.max(1)..)
+            .take(5)
+            .map(|n| self.linear(low, high, n))
+            .find(|ticks| ticks.len() > 1)
+            .unwrap_or_else(|| self.linear(low, high, count))
+    }
+
+    fn linear(&self, low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
         let raw = (high - low) / count.max(1) as f64;
         let magnitude = 10_f64.powi(raw.log10().floor() as i32);
         let step = [1.0, 2.0, 5.0, 10.0]
@@ -149,6 +158,14 @@ mod tests {
             labels(&scale, 9),
             ["0.001", "0.01", "0.1", "1", "10", "100"]
         );
+    }
+
+    #[test]
+    fn one_tick_alone_is_none() {
+        let scale = Scale::new((-4.2, 2.1), (0.0, 100.0), false);
+        for count in 1..=4 {
+            assert_eq!(labels(&scale, count), ["−4", "−2", "0", "2"]);
+        }
     }
 
     #[test]

@@ -73,7 +73,6 @@ pub(super) fn section(outcome: &Outcome) -> Section {
             Column::number("chance of such a gain"),
             Column::text("shown by the held-out recording"),
             Column::text("could also be"),
-            Column::text(format!("in the {}", corrected(d))),
         ]);
     let table = d.causes.iter().fold(Table::new(head), |t, c| {
         let rivals: Vec<String> = c.ambiguous_with.iter().map(|e| name(*e)).collect();
@@ -98,7 +97,6 @@ pub(super) fn section(outcome: &Outcome) -> Section {
             } else {
                 Cell::text(rivals.join(", "))
             },
-            Cell::text(told(c)),
         ]))
     });
     let mut section = Section::new("Causes")

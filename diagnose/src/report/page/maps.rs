@@ -69,7 +69,7 @@ pub(super) fn maps(outcome: &Outcome) -> Section {
     let start = m.time.first().copied().unwrap_or(0.0);
     let time: Vec<f64> = m.time.iter().map(|t| t - start).collect();
     let mut section = Section::new("Maps of the torque error").paragraph(
-        "Means over bins with one standard deviation, of the joints with the largest gap. Comparison velocity, friction shows; against \
+        "Means over bins with one standard deviation, of the joints with the largest gap. Against velocity, friction shows; against \
          position, gravity, springs and ripple; against the torque, gain and load; against time, \
          warming and contact; by order of position, ripple.",
     );
@@ -92,7 +92,7 @@ pub(super) fn maps(outcome: &Outcome) -> Section {
             let panel = Panel::new(format!("torque error / {force}"))
                 .height(170.0)
                 .binned("as given", Ink::Muted, x, &before, BINS)
-                .binned("explained", Ink::Residual, x, &after, BINS);
+                .binned("explained", Ink::Predicted, x, &after, BINS);
             Plot::new(
                 format!("{}: against {what}", d.joints[j]),
                 format!("{what} / {unit}"),
@@ -128,7 +128,7 @@ fn orders(outcome: &Outcome, joint: usize) -> Option<Figure> {
     let panel = Panel::new(format!("amplitude / {force}"))
         .height(170.0)
         .line("as given", Ink::Muted, &k, &before)
-        .line("explained", Ink::Residual, &k, &after);
+        .line("explained", Ink::Predicted, &k, &after);
     let name = &outcome.diagnosis.joints[joint];
     let title = format!("{name}: by order of position");
     let plot = Plot::new(title, format!("order / (1/{angle})"));

@@ -11,6 +11,7 @@ use crate::report::words::{closes, joined, lines, name, worst_findings};
 use crate::schema::{Diagnosis, Step, Verdict};
 use report::figure::{Bars, Ink, Waterfall};
 use report::{Cell, Column, KeyFigure, Page, Section, Table, Tone};
+use std::cmp::Ordering;
 
 /// Renders the page. `inputs` names robot and recordings; `patch` holds the changes of the model by the causes.
 pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> String {
@@ -36,9 +37,13 @@ pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> 
         .ladder
         .iter()
         .rposition(|s| s.step != "learned" && s.step != "repeatability");
+    let note = |at: Option<usize>| {
+        let most = at.and_then(|n| largest(outcome, n));
+        most.map_or("mean NRMSE".to_owned(), |m| format!("mean NRMSE; {m}"))
+    };
     page = page
-        .key_figure(KeyFigure::new("error as given", nrmse(Some(0))).note("mean NRMSE"))
-        .key_figure(KeyFigure::new("error explained", nrmse(last)).note("mean NRMSE"));
+        .key_figure(KeyFigure::new("error as given", nrmse(Some(0))).note(note(Some(0))))
+        .key_figure(KeyFigure::new("error explained", nrmse(last)).note(note(last)));
     if let Some(first) = d.causes.iter().find(|c| c.confirmed) {
         page = page.key_figure(
             KeyFigure::new("biggest cause", name(first.effect))
@@ -62,6 +67,19 @@ pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> 
             d.schema
         ))
         .render()
+}
+
+/// Error of a step of the ladder on the joint that is furthest off as given, in its own unit.
+fn largest(outcome: &Outcome, step: usize) -> Option<String> {
+    let d = &outcome.diagnosis;
+    let given = |j: usize| d.ladder[0].all.rmse[j];
+    let judged = (0..d.joints.len()).filter(|j| given(*j).is_some());
+    let worst =
+        judged.max_by(|a, b| given(*a).partial_cmp(&given(*b)).unwrap_or(Ordering::Equal))?;
+    let size = d.ladder[step].all.rmse[worst]?;
+    let decimals = (1.0 - size.max(1e-6).log10().floor()).clamp(0.0, 6.0) as usize;
+    let [_, _, unit] = maps::units(outcome, worst);
+    Some(format!("{size:.decimals$} {unit} on {}", d.joints[worst]))
 }
 
 fn tone(d: &Diagnosis) -> Tone {

@@ -84,11 +84,15 @@ pub fn told(cause: &Cause) -> String {
         .unwrap_or_default()
 }
 
-/// Two lines joined into one.
+/// Two lines joined into one; a line that begins as a sentence stays one.
 pub fn joined(said: &str, line: &str) -> String {
-    let said = said.trim_end_matches('.');
-    let mark = if said.ends_with(':') { "" } else { ";" };
-    format!("{said}{mark} {}", line.trim())
+    let (said, line) = (said.trim_end_matches('.'), line.trim());
+    let mark = match line.chars().next() {
+        _ if said.ends_with(':') => "",
+        Some(first) if first.is_uppercase() => ".",
+        _ => ";",
+    };
+    format!("{said}{mark} {line}")
 }
 
 /// Advice on the simulator's settings; values of several joints follow joint by joint.
