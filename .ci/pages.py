@@ -111,7 +111,8 @@ def options():
     known = {name: set(re.findall(r"--[a-z][a-z-]+", text)) for name, text in pages.items()}
     called = re.compile(rf"\s*(?:residyn )?({'|'.join(known)}) (?=[^=:]*--)(.*)")
     for page in [Path("README.md"), Path("python/README.md"), *Path("docs").glob("*.md"), *Path("docs").glob("[et]*/*.md")]:
-        text = page.read_text()
+        # Provenance names commands as they were at a commit.
+        text = re.split(r"^#+ Provenance$", page.read_text(), flags=re.M)[0]
         code = re.findall(r"`([^`\n]+)`", text) + re.findall(r"(?:^ {4}.*\n)+", text, re.M) + re.findall(r"```sh\n(.*?)```", text, re.S)
         for line in "\n".join(code).replace("\\\n", " ").split("\n"):
             found = called.match(line)
