@@ -127,6 +127,10 @@ pub fn at_waypoints(table: &Array2<f64>, sampled: &Motion, waypoints: &Motion) -
     out
 }
 
+/// Hint where a plan's positions are too few to be differentiated.
+const SPARSE: &str =
+    "Give velocities and accelerations with the positions (qd1 …, qdd1 …), or more points.";
+
 /// Motion of a plan: its own velocities and accelerations or, without these, derivatives of its low-passed positions.
 ///
 /// # Errors
@@ -140,7 +144,7 @@ pub fn motion(plan: &Recording, cutoff_hz: Option<f64>) -> Result<Motion, Failur
                 ..PrepareOptions::default()
             };
             let derived = prepare(plan, &options)
-                .map_err(|e| Failure::input(format!("{}: {e}", plan.source), e.advice()))?
+                .map_err(|e| Failure::input(format!("{}: {e}", plan.source), SPARSE))?
                 .at_samples;
             let own =
                 |own: &Option<Array2<f64>>, derived: Array2<f64>| own.clone().unwrap_or(derived);
