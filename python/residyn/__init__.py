@@ -10,6 +10,8 @@ The numbers are those of the programs `train`, `eval`, `diagnose` and `replay`, 
     report.patch("arm_corrected.urdf")
 """
 
+from importlib.metadata import PackageNotFoundError, version
+
 from ._residyn import InputError, Robot
 from .accumulator import Accumulator, Identified, Parameter
 from .compensated import Compensated
@@ -17,6 +19,11 @@ from .diagnosis import Cause, Place, Push, Report, Step, diagnose
 from .model import Model, Prediction, identify, train
 from .motion import ReplayReport, ReplayStep, replay
 from .recording import Recording
+
+try:
+    __version__ = version("residyn")
+except PackageNotFoundError:
+    __version__ = "unknown"
 
 __all__ = [
     "Accumulator",

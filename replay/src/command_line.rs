@@ -45,7 +45,7 @@ pub struct Arguments {
     /// with a drive file beside it.
     #[arg(long)]
     patch: Option<PathBuf>,
-    /// Measure the causes' shares by shorter fits (each leaves one cause out): faster.
+    /// Measure the causes' shares by shorter fits (each leaves one cause out): faster, and rougher.
     #[arg(long)]
     fast: bool,
     /// Fit the same effects to the held-out recording itself, too: no values of them leave much less there.
@@ -114,7 +114,7 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
         done.outcome.report.file_alone.figures.mean_unexplained,
     ) {
         report::say!(
-            "The corrected model file by itself leaves {:.0} % unexplained.",
+            "The corrected model file, fitted for what it can hold, leaves {:.0} % unexplained; some of its values differ from those above.",
             100.0 * part
         );
     }

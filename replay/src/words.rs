@@ -55,10 +55,15 @@ pub fn cause(cause: &Cause, words: &str) -> String {
         .driver
         .as_ref()
         .map_or(String::new(), |j| format!(", driven by {j}"));
+    let change = if cause.gap_closed < 0.0 {
+        "held out it adds"
+    } else {
+        "removes"
+    };
     format!(
-        "{words} on {}{driver}: removes {:.0} % of the squared error there ({:.0} to {:.0} %), probability {:.2}{confirmed}",
+        "{words} on {}{driver}: {change} {:.0} % of the squared error there ({:.0} to {:.0} %), probability {:.2}{confirmed}",
         cause.joints.join(", "),
-        100.0 * cause.gap_closed,
+        100.0 * cause.gap_closed.abs(),
         100.0 * low,
         100.0 * high,
         cause.confidence

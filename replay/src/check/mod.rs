@@ -39,6 +39,13 @@ pub(crate) fn check(
 ) -> Result<(), Unusable> {
     let source_name = || recording.source.clone();
     let n = recording.dof();
+    let step = recording.median_step();
+    if step > SLOWEST {
+        return Err(Unusable::Apart {
+            source_name: source_name(),
+            step,
+        });
+    }
     let spans = |j: usize| (range(&recording.q, j), range(command, j));
     if (0..n).all(|j| spans(j).0 == 0.0) && (0..n).all(|j| spans(j).1 <= HELD) {
         return Err(Unusable::Still {

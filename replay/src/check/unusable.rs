@@ -3,6 +3,17 @@
 /// Reason why a recording cannot be replayed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unusable {
+    /// Samples that are further apart than a motion takes.
+    #[error(
+        "{source_name}: samples are {step:.1} s apart, in which every motion is over; if the times are milliseconds, say [units] time = \"ms\" in \
+         the drive file"
+    )]
+    Apart {
+        /// Source of the recording.
+        source_name: String,
+        /// Usual time between two samples, s.
+        step: f64,
+    },
     /// Recording without commanded positions.
     #[error(
         "{source_name} has no commanded positions; name them q_ref1 … in the file, or in the drive file: [columns] \

@@ -270,7 +270,11 @@ fn drives(report: &Report) -> Section {
             Cell::significant(p.armature[j], 3),
         ]);
     }
-    Section::new("The corrected simulator").table(table)
+    let note = "What a model file cannot hold, such as friction by torque, is part of this simulator. The file is fitted without it, \
+                so that some of its values differ.";
+    Section::new("The corrected simulator")
+        .paragraph(note)
+        .table(table)
 }
 
 /// Section with the quantities that the motion does not determine, and the notes.
