@@ -1,7 +1,6 @@
 //! Simulated arm with its drives: every value that a replay depends on. Units hold for rotary joints.
 
 use crate::parameter::{Kind, Parameter};
-use crate::payload::carrying;
 use crate::smooth::Smooth;
 use physics::robot::{PARAMETERS_PER_LINK, Robot, RobotError};
 
@@ -88,7 +87,7 @@ pub struct Arm {
     /// Part of the gravity torque of `given` that each drive adds to its own torque, from 0 (none) to 1 (all).
     pub gravity_compensation: f64,
     /// Payload at the last link, in that link's joint frame: mass (kg), first moment along x, y and z (kg·m), and moment
-    /// of inertia (kg·m²) that it adds about every axis through the centre of mass of link and payload.
+    /// of inertia (kg·m²), the same about every axis through the joint's origin.
     pub payload: [f64; 5],
     /// Factor on all inertial parameters of each link; 1 for the given ones.
     pub link_scale: Vec<f64>,
@@ -243,8 +242,9 @@ impl Arm {
             link.iter_mut().for_each(|p| *p *= scale);
         }
         let last = parameters.len() - PARAMETERS_PER_LINK;
-        let link: [f64; PARAMETERS_PER_LINK] = std::array::from_fn(|k| parameters[last + k]);
-        parameters[last..].copy_from_slice(&carrying(&link, &self.payload));
+        for (p, added) in parameters[last..].iter_mut().zip(payload(&self.payload)) {
+            *p += added;
+        }
         let gravity = self.given.gravity();
         let [x, y] = self.tilt;
         let turn = nalgebra::Rotation3::new(nalgebra::Vector3::new(-x, -y, 0.0));
@@ -254,4 +254,11 @@ impl Arm {
             .with_gravity(turn * gravity);
         Ok(())
     }
+}
+
+/// Inertial parameters of a payload (mass, first moment, inertia about the joint's origin), from the five values of
+/// [`Arm::payload`].
+pub(crate) fn payload(fitted: &[f64; 5]) -> [f64; PARAMETERS_PER_LINK] {
+    let [m, x, y, z, i] = *fitted;
+    [m, x, y, z, i, 0.0, i, 0.0, 0.0, i]
 }

@@ -20,7 +20,6 @@ mod known;
 pub mod page;
 pub mod parameter;
 pub mod patch;
-mod payload;
 pub mod place;
 pub mod schema;
 pub mod score;

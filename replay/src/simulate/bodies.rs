@@ -2,7 +2,6 @@
 
 use super::State;
 use crate::parameter::Kind;
-use crate::payload::carrying_by;
 use physics::dynamics::{inverse_dynamics, regressor_with_gravity};
 use physics::robot::PARAMETERS_PER_LINK;
 
@@ -12,6 +11,7 @@ impl State<'_> {
     #[inline(always)]
     pub(super) fn bodies_by_parameters(&mut self, h: f64) {
         let (n, p) = (self.arm.dof(), self.parameters.len());
+        let width = n * PARAMETERS_PER_LINK;
         if self.bodies {
             regressor_with_gravity(
                 &self.arm.robot,
@@ -42,18 +42,23 @@ impl State<'_> {
                 Kind::Payload(part) => {
                     let mut unit = [0.0; 5];
                     unit[part] = 1.0;
-                    let change = self.last_by(&[0.0; PARAMETERS_PER_LINK], &unit);
-                    self.body_by_parameter(n - 1, &change, k, h);
+                    let change = crate::arm::payload(&unit);
+                    let last = width - PARAMETERS_PER_LINK;
+                    for i in 0..n {
+                        let row = &self.regressor[i * width + last..][..PARAMETERS_PER_LINK];
+                        let torque: f64 = row.iter().zip(&change).map(|(y, c)| y * c).sum();
+                        self.resist(i, k, torque, h);
+                    }
                 }
                 Kind::LinkScale => {
                     let link = parameter.joint;
-                    let own = self.given_link(link);
-                    let change = if link + 1 < n {
-                        own
-                    } else {
-                        self.last_by(&own, &[0.0; 5])
-                    };
-                    self.body_by_parameter(link, &change, k, h);
+                    for i in 0..=link {
+                        let row = &self.regressor[i * width + link * PARAMETERS_PER_LINK..]
+                            [..PARAMETERS_PER_LINK];
+                        let own = &self.given[link * PARAMETERS_PER_LINK..];
+                        let torque: f64 = row.iter().zip(own).map(|(y, c)| y * c).sum();
+                        self.resist(i, k, torque, h);
+                    }
                 }
                 Kind::Tilt(axis) => {
                     inverse_dynamics(
@@ -70,32 +75,6 @@ impl State<'_> {
                 }
                 _ => {}
             }
-        }
-    }
-
-    /// Inertial parameters of a link as described.
-    fn given_link(&self, link: usize) -> [f64; PARAMETERS_PER_LINK] {
-        std::array::from_fn(|k| self.given[link * PARAMETERS_PER_LINK + k])
-    }
-
-    /// Derivative of the inertial parameters of the last link with its payload along a change of the link and of the payload's values.
-    fn last_by(
-        &self,
-        change: &[f64; PARAMETERS_PER_LINK],
-        payload: &[f64; 5],
-    ) -> [f64; PARAMETERS_PER_LINK] {
-        let last = self.arm.dof() - 1;
-        let link = self.given_link(last).map(|v| v * self.arm.link_scale[last]);
-        carrying_by([&link, change], [&self.arm.payload, payload])
-    }
-
-    /// Adds the derivatives of the joints' torques by parameter `k`, which changes the inertial parameters of `link` by `change`.
-    fn body_by_parameter(&mut self, link: usize, change: &[f64], k: usize, h: f64) {
-        let width = self.arm.dof() * PARAMETERS_PER_LINK;
-        for i in 0..=link {
-            let row = &self.regressor[i * width + link * PARAMETERS_PER_LINK..];
-            let torque: f64 = row.iter().zip(change).map(|(y, c)| y * c).sum();
-            self.resist(i, k, torque, h);
         }
     }
 }
