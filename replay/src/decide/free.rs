@@ -5,7 +5,6 @@ use crate::catalogue::{Mechanism, Sizes};
 use crate::fit::Free;
 use crate::given::Given;
 use crate::parameter::{Kind, Parameter};
-use crate::simulate::Unstable;
 use crate::tracks::Replayed;
 use std::collections::BTreeMap;
 
@@ -133,21 +132,4 @@ pub fn pinned(given: &Given, fitted: &Arm, free: &[Free]) -> Arm {
         return fitted.clone();
     }
     arm
-}
-
-/// Result of a fit that starts from `start`, or from the given arm where `start` cannot be simulated: without what other parameters
-/// did in the fit from which it comes, a mass matrix need not be positive.
-///
-/// # Errors
-/// The simulator as given is unstable.
-pub(super) fn from_either<T>(
-    given: &Given,
-    start: &Arm,
-    fit: impl Fn(&Arm) -> Result<T, Unstable>,
-) -> Result<T, Unstable> {
-    fit(start).or_else(|_| {
-        let mut arm = given.arm.clone();
-        arm.step = start.step;
-        fit(&arm)
-    })
 }

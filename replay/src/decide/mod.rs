@@ -24,7 +24,7 @@ use crate::tracks::Replayed;
 use effort::{LAST, SKETCH};
 use evidence::{Decision, Problem};
 use expand::{expand, families, hypotheses};
-use free::{Entry, always, from_either, pinned};
+use free::{Entry, always, pinned};
 use visited::{Visited, largest};
 
 /// Result of the search: the most probable set of mechanisms, the fit with it, and signs of unknown torques.
@@ -176,8 +176,7 @@ impl Search<'_> {
         let free = self.free(&set);
         let mut start = pinned(self.given, about, &free);
         start.step = effort.step;
-        let own = |start: &Arm| fit(start, &free, self.blocks(), noises, effort, None);
-        let fitted = from_either(self.given, &start, own)?;
+        let fitted = fit(&start, &free, self.blocks(), noises, effort, None)?;
         Ok(Visited { set, free, fitted })
     }
 

@@ -2,7 +2,7 @@
 
 use super::Found;
 use super::effort::{LAST, NEXT};
-use super::free::{free, from_either, pinned, tolerated};
+use super::free::{free, pinned, tolerated};
 use super::neighbour;
 use crate::arm::Arm;
 use crate::fit::{Effort, Fitted, Free, Noise, descend, fit};
@@ -36,8 +36,7 @@ pub fn refit(
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
     let start = start(given, replayed, found, set, &free, effort);
     let start = pinned(given, &start, &free);
-    let own = |start: &Arm| Ok(descend(start, &free, blocks, noise, effort, None)?.arm);
-    from_either(given, &start, own)
+    Ok(descend(&start, &free, blocks, noise, effort, None)?.arm)
 }
 
 /// Arm from which the fit of another set starts: the search's own fit of that set, or one that is predicted from the
@@ -74,7 +73,7 @@ pub fn refit_finely(
     let free = free(given, &found.mechanisms, set, &always);
     let (blocks, noise) = (&replayed.blocks, &found.fitted.noise);
     let start = start(given, replayed, found, set, &free, NEXT);
-    let fitted = from_either(given, &start, |start| finely(start, &free, blocks, noise))?;
+    let fitted = finely(&start, &free, blocks, noise)?;
     Ok((free, fitted))
 }
 
