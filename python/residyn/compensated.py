@@ -38,6 +38,8 @@ class Compensated:
             raise InputError("the integrator RK4 evaluates each step four times, and a memory of the motion cannot follow: use implicitfast")
         #: The model in its control loop, one sample per time step.
         self.model = Model(directory, period=simulated.opt.timestep)
+        if self.model.compensation is None:
+            raise InputError(f"{os.fspath(directory)} has no compensator: its physics are all that it knows")
         names = self.model.joints if joints is None else list(joints)
         if len(names) != len(self.model.joints):
             raise InputError(f"{len(names)} joints are named and the model has {len(self.model.joints)}")
@@ -50,11 +52,6 @@ class Compensated:
         self._last: Optional[float] = None
         #: Torque that acts, N·m (N), by joint: against the compensator's.
         self.torque = np.zeros(len(names))
-        self._tick(np.zeros(len(names)), np.zeros(len(names)), np.zeros(len(names)))
-        if self.model.compensation is None:
-            raise InputError(f"{os.fspath(directory)} has no compensator: its physics are all that it knows")
-        self.model.reset()
-        self.torque[:] = 0.0
 
     def __call__(self, simulated: "mujoco.MjModel", data: "mujoco.MjData") -> None:
         """Adds the torque to `data.qfrc_passive`."""
@@ -65,11 +62,6 @@ class Compensated:
         # MuJoCo asks again within a step, for instance for inverse dynamics.
         if self._last is None or data.time > self._last + 0.5 * self._step:
             self._last = data.time
-            self._tick(data.qpos[self._qpos], data.qvel[self._dof], data.qacc[self._dof])
+            self.model.torque(data.qpos[self._qpos], data.qvel[self._dof], data.qacc[self._dof])
+            self.torque = -self.model.compensation
         data.qfrc_passive[self._dof] += self.torque
-
-    def _tick(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> None:
-        self.model.torque(q, qd, qdd)
-        part = self.model.compensation
-        if part is not None:
-            self.torque = -part

@@ -190,7 +190,7 @@ def diagnose(
         are used, and without `heldout` every third trajectory of `data` is held out
     drive: drive file; needed for a `Model` alone, a `Robot` has its own
     cutoff_hz: of the motion's low-pass (default: chosen from the data)
-    fast: skip all that is computed from surrogate recordings (p-values, evidence for a cause's name)
+    fast: skip all that is computed from surrogate recordings (p-values, the level of chance)
     learn: also train a compensator, and say how much of the rest of the gap it would close
     next_motion: also plan the motion that tells ambiguous causes apart, for `Report.next_motion`
 

@@ -45,7 +45,6 @@ pub fn verdict(report: &Report) -> String {
 
 /// Cause in one line: joints, part of the squared error removed, and probability. `words` names the effect.
 pub fn cause(cause: &Cause, words: &str) -> String {
-    let [low, high] = cause.gap_closed_interval;
     let confirmed = if cause.confirmed {
         ""
     } else {
@@ -55,19 +54,24 @@ pub fn cause(cause: &Cause, words: &str) -> String {
         .driver
         .as_ref()
         .map_or(String::new(), |j| format!(", driven by {j}"));
-    let change = if cause.gap_closed < 0.0 {
-        "held out it adds"
-    } else {
-        "removes"
-    };
     format!(
-        "{words} on {}{driver}: {change} {:.0} % of the squared error there ({:.0} to {:.0} %), probability {:.2}{confirmed}",
+        "{words} on {}{driver}: {}, probability {:.2}{confirmed}",
         cause.joints.join(", "),
-        100.0 * cause.gap_closed.abs(),
-        100.0 * low,
-        100.0 * high,
+        removed(cause.gap_closed, cause.gap_closed_interval),
         cause.confidence
     )
+}
+
+/// Part of a squared error that a cause removes, in words; what makes the error larger adds to it.
+fn removed(part: f64, [low, high]: [f64; 2]) -> String {
+    let said = |verb: &str, [part, low, high]: [f64; 3]| {
+        format!("{verb} {part:.0} % of the squared error there ({low:.0} to {high:.0} %)")
+    };
+    if part < 0.0 {
+        said("held out it adds", [part, high, low].map(|v| -100.0 * v))
+    } else {
+        said("removes", [part, low, high].map(|v| 100.0 * v))
+    }
 }
 
 /// Value of a parameter in one line: given value, fitted value, standard deviation and unit.
@@ -153,4 +157,21 @@ pub fn lines(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<Strin
         out.push(format!("Not known: {}.", item.reason));
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::removed;
+
+    #[test]
+    fn a_worsening_is_said_as_one() {
+        assert_eq!(
+            removed(0.9, [0.8, 0.95]),
+            "removes 90 % of the squared error there (80 to 95 %)"
+        );
+        assert_eq!(
+            removed(-0.24, [-0.3, 0.1]),
+            "held out it adds 24 % of the squared error there (-10 to 30 %)"
+        );
+    }
 }

@@ -261,6 +261,15 @@ mod tests {
     }
 
     #[test]
+    fn times_in_milliseconds_are_refused() {
+        let motion = Array2::from_shape_fn((100, 1), |(i, _)| (0.1 * i as f64).sin());
+        let time = (0..100).map(|i| 20.0 * i as f64).collect();
+        let recording = Recording::new("a log", time, motion.clone(), None);
+        let fault = check(&recording, &motion, &[0.0], &[0.0]);
+        assert!(matches!(fault, Err(Unusable::Apart { step, .. }) if step == 20.0));
+    }
+
+    #[test]
     fn a_turned_sign_moves_as_far_in_every_trajectory() {
         let turned = |by| matches!(refused(by), Some(Unusable::Sign { .. }));
         assert!(turned([-1.0, -0.9]));

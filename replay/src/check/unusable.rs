@@ -3,9 +3,9 @@
 /// Reason why a recording cannot be replayed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unusable {
-    /// Samples that are further apart than a motion takes.
+    /// Samples that are further apart than the longest delay of a drive.
     #[error(
-        "{source_name}: samples are {step:.1} s apart, in which every motion is over; if the times are milliseconds, say [units] time = \"ms\" in \
+        "{source_name}: samples are {step:.1} s apart, too far to see how a joint follows its command; if the times are milliseconds, say [units] time = \"ms\" in \
          the drive file"
     )]
     Apart {
