@@ -50,12 +50,8 @@ pub fn run(contest: &Contest, places: &Places, printed: Printed) -> Result<(), F
             over.stretches,
             over.over
         );
-        for path in [places.json, places.html, places.markdown]
-            .into_iter()
-            .flatten()
-        {
-            say!("Written: {}", path.display());
-        }
+        let outputs = [places.json, places.html, places.markdown];
+        crate::say_written(outputs.into_iter().flatten());
     }
     Ok(())
 }

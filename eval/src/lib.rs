@@ -128,14 +128,15 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if !arguments.quiet {
         print(&file, &evaluation, arguments.verbose);
-        say_written([&arguments.json, &arguments.html, &arguments.predict]);
+        let outputs = [&arguments.json, &arguments.html, &arguments.predict];
+        say_written(outputs.into_iter().flatten());
     }
     Ok(())
 }
 
 /// Lists the files that were written.
-fn say_written(outputs: [&Option<PathBuf>; 3]) {
-    for path in outputs.into_iter().flatten() {
+fn say_written<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) {
+    for path in paths {
         say!("Written: {}", path.display());
     }
 }

@@ -1,5 +1,6 @@
 //! The planned motion: what a plan has, and derivatives where it has none.
 
+use datasets::prepare::PrepareError;
 use datasets::{PrepareOptions, Recording, prepare};
 use model::failure::Failure;
 use ndarray::Array2;
@@ -144,7 +145,13 @@ pub fn motion(plan: &Recording, cutoff_hz: Option<f64>) -> Result<Motion, Failur
                 ..PrepareOptions::default()
             };
             let derived = prepare(plan, &options)
-                .map_err(|e| Failure::input(format!("{}: {e}", plan.source), SPARSE))?
+                .map_err(|e| {
+                    let advice = match e {
+                        PrepareError::Cutoff(_) | PrepareError::Spline { .. } => SPARSE,
+                        _ => e.advice(),
+                    };
+                    Failure::input(format!("{}: {e}", plan.source), advice)
+                })?
                 .at_samples;
             let own =
                 |own: &Option<Array2<f64>>, derived: Array2<f64>| own.clone().unwrap_or(derived);
