@@ -51,7 +51,7 @@ pub fn run(contest: &Contest, places: &Places, printed: Printed) -> Result<(), F
             over.over
         );
         let outputs = [places.json, places.html, places.markdown];
-        crate::say_written(outputs.into_iter().flatten());
+        report::write::say_written(outputs.into_iter().flatten());
     }
     Ok(())
 }

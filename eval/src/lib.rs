@@ -25,7 +25,7 @@ use model::{page, residual, tables};
 use report::{say, say_text};
 use sources::SourcesError;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// The command line, as clap takes it.
@@ -129,16 +129,9 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !arguments.quiet {
         print(&file, &evaluation, arguments.verbose);
         let outputs = [&arguments.json, &arguments.html, &arguments.predict];
-        say_written(outputs.into_iter().flatten());
+        report::write::say_written(outputs.into_iter().flatten());
     }
     Ok(())
-}
-
-/// Lists the files that were written.
-fn say_written<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) {
-    for path in paths {
-        say!("Written: {}", path.display());
-    }
 }
 
 /// Writes the compensator's graph and, beside it, the description of its inputs.

@@ -121,8 +121,6 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
     for line in left_out {
         report::say!("Not in the corrected model: {line}.");
     }
-    for (path, _) in &files {
-        report::say!("Written: {}", path.display());
-    }
+    report::write::say_written(files.iter().map(|(path, _)| path));
     Ok(())
 }

@@ -50,6 +50,15 @@ pub fn prepare<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), O
     Ok(())
 }
 
+/// Tells a person which files were written; standard output is none of them.
+pub fn say_written<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) {
+    for path in paths {
+        if path.as_os_str() != STANDARD {
+            crate::say!("Written: {}", path.display());
+        }
+    }
+}
+
 fn folder(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,

@@ -132,9 +132,7 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
             report::say!("  left out: {line}");
         }
     }
-    for path in files.iter().map(|(path, _)| path).chain(&arguments.trace) {
-        report::say!("Written: {}", path.display());
-    }
+    report::write::say_written(files.iter().map(|(path, _)| path).chain(&arguments.trace));
     Ok(())
 }
 

@@ -88,7 +88,8 @@ fn run([a, b]: [PathBuf; 2], html: Option<PathBuf>) -> Result<(), CompareError> 
     }
     if let Some(path) = &html {
         write_atomic(path, page::render(&compared))?;
-        say!("\nWritten: {}", path.display());
+        say!("");
+        report::write::say_written([path]);
     }
     Ok(())
 }
