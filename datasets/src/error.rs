@@ -192,12 +192,16 @@ pub enum Problem {
         zeros: bool,
     },
     /// A number of joints other than the robot's.
-    #[error("has columns for {found} joints, the robot has {expected}")]
+    #[error("{}", wrong_dof(*.expected, *.found, .columns, .model.as_deref()))]
     WrongDof {
         /// Number of joints of the robot.
         expected: usize,
         /// Number of joints in the file.
         found: usize,
+        /// Names of their columns, or of the joints of a message.
+        columns: Box<str>,
+        /// Names of the joints of the stored model; none where the user chooses robot and joints.
+        model: Option<Box<str>>,
     },
     /// A row with another number of cells than the header.
     #[error("has {found} cells, the header has {expected}")]
@@ -262,6 +266,15 @@ pub enum Problem {
         /// Speed at the start, deg/s.
         speed_deg_s: f64,
     },
+}
+
+/// Words of [`Problem::WrongDof`].
+fn wrong_dof(expected: usize, found: usize, columns: &str, model: Option<&str>) -> String {
+    let has = format!("has columns for {found} joints ({columns})");
+    match model {
+        Some(joints) => format!("{has}, the model has {expected} ({joints})"),
+        None => format!("{has}, the robot has {expected}"),
+    }
 }
 
 fn two_sources(zeros: bool) -> &'static str {
@@ -331,6 +344,9 @@ impl Problem {
             Self::DuplicateColumn(_) => "Rename or remove all but one of them.",
             Self::MissingColumn { .. } => {
                 "Add the column, or name the file's own column in the [columns] table of --drive."
+            }
+            Self::WrongDof { model: Some(_), .. } => {
+                "Give one column for each joint of the model, base first (q1, q2, …), or name them in the [columns] table of --drive (q1 = \"…\")."
             }
             Self::WrongDof { .. } => {
                 "Give the robot that made the recording, with one column per moving joint, or choose its recorded joints by --joints, or name those of \

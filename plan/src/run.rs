@@ -4,7 +4,7 @@ use crate::arguments::Arguments;
 use crate::{limits, motion, torque};
 use datasets::read::{self, read};
 use datasets::write::WriteProblem;
-use datasets::{Part, ReadOptions, Recording};
+use datasets::{Part, Problem, ReadOptions, Recording};
 use feedforward::{Feedforward, LoadError};
 use model::directory::ModelFile;
 use model::evaluation::read_options;
@@ -83,8 +83,15 @@ fn planned(arguments: &Arguments, options: &ReadOptions) -> Result<(Recording, b
         return Ok((plan, true));
     }
     let table = read(path, options).or_else(|own| {
-        let dof = options.dof.unwrap_or_default();
-        read(path, &ReadOptions::for_reference(dof)).map_err(|_| fail(own))
+        let reference = ReadOptions {
+            joints: options.joints.clone(),
+            stored_model: options.stored_model,
+            ..ReadOptions::for_reference(options.dof.unwrap_or_default())
+        };
+        read(path, &reference).map_err(|e| match &e.problem {
+            Problem::WrongDof { .. } => fail(e),
+            _ => fail(own),
+        })
     })?;
     Ok((table, false))
 }

@@ -10,7 +10,7 @@ from typing import Optional, Sequence, Union
 
 import numpy as np
 
-from . import InputError, Report
+from . import InputError, ReplayReport, Report
 
 #: A joint is away from reversals where it is faster than this, rad/s (m/s), and MuJoCo's friction has come to its limit against the motion
 #: in every model compared: nearer, every simulator has its own idea of friction. MuJoCo's turns round 9.5 ms early, over a range of speed that grows
@@ -174,7 +174,13 @@ def verify(
     rollouts: bool = True,
 ) -> list[Row]:
     """The model as given, patched and, where there is generated code, patched with that along the report's held-out motion;
-    `written` are the paths that `Report.patch` returned. Without `rollouts` there is no drift."""
+    `written` are the paths that `Report.patch` returned. Without `rollouts` there is no drift. A report of `replay` is refused: its
+    commands are replayed by `residyn.verify_replay.verify`."""
+    if isinstance(report, ReplayReport):
+        raise InputError(
+            "the report is one of replay, which compares motion and has no torque\n"
+            "call residyn.verify_replay.verify(corrected, recording, given, report=report), or python -m residyn.verify --replay"
+        )
     motion = report.motion()
     time = motion["time"]
     code = next((p for p in written if str(p).endswith("_mujoco.py")), None)

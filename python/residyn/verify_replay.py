@@ -10,7 +10,7 @@ from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
-from . import InputError, Recording, Robot
+from . import InputError, Recording, ReplayReport, Robot
 from .rollout import Replayed, unexplained
 
 PathLike = Union[str, os.PathLike]
@@ -71,11 +71,13 @@ def verify(
     *,
     joints: Sequence[str] = (),
     drive: Optional[PathLike] = None,
-    report: Optional[Mapping[str, Any]] = None,
+    report: Union[ReplayReport, Mapping[str, Any], None] = None,
     step: float = 1e-3,
 ) -> tuple[list[str], list[Rows]]:
     """Joints, and the corrected model `robot` behind the `given` one, replayed at `step` (s), at the file's own time step, and with friction that
-    holds. `drive` is a drive file: the law of its block `[controller]` stands in place of the models' actuators; `report` is what `replay --json` wrote."""
+    holds. `drive` is a drive file: the law of its block `[controller]` stands in place of the models' actuators; `report` is that of `replay`, or what `replay --json` wrote."""
+    if isinstance(report, ReplayReport):
+        report = report.raw
     names = list(joints) or ([] if report is None else list(report["joints"]))
     arm = Robot(os.fspath(given or robot), joints=names, drive=drive)
     recording = data if isinstance(data, Recording) else Recording.read(data, arm)

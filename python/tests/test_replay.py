@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import residyn
-from residyn import plots, verify_replay
+from residyn import in_mujoco, plots, verify_replay
 from test_verify_replay import JOINTS, SERVOS, model, recording
 
 
@@ -63,6 +63,11 @@ def test_the_scored_motion_has_the_reports_figures(report):
         np.testing.assert_allclose(of(off), step.rmse, rtol=1e-9)
         np.testing.assert_allclose(of(asked), step.tracking, rtol=1e-9)
         np.testing.assert_allclose(of(off) / of(asked), step.unexplained, rtol=1e-9)
+
+
+def test_verification_of_torque_refuses_a_report_of_motion(case, report):
+    with pytest.raises(residyn.InputError, match=r"one of replay(?s:.)*verify_replay\.verify"):
+        in_mujoco.verify(report, case / "robot.urdf", [case / "robot.urdf"])
 
 
 def test_arrays_are_as_good_as_files(case, report):
@@ -151,7 +156,7 @@ def test_a_delay_is_part_of_the_corrected_file(tmp_path):
     assert not any("delay" in line for line in left_out), left_out
     corrected = mujoco.MjModel.from_xml_path(str(written[0]))
     np.testing.assert_allclose(corrected.actuator_delay, 0.047, atol=0.001)
-    _, (row,) = verify_replay.verify(written[0], heldout, report=report.raw)
+    _, (row,) = verify_replay.verify(written[0], heldout, report=report)
     said = report.raw["file_alone"]["mean_unexplained"]
     for column in row.columns:
         assert abs(column.unexplained.mean() / said - 1.0) < 0.05, (column, said)

@@ -166,8 +166,8 @@ pub struct NotIdentifiable {
     pub effect: Option<&'static str>,
     /// Names of the joints concerned.
     pub joints: Vec<String>,
-    /// Reason in words: too little motion, a value at its bound, or two values that only their sum or difference is
-    /// known of.
+    /// Reason in words: too little motion, a value at its bound, or two values of which only the combination is
+    /// known.
     pub reason: String,
     /// Reason as a word for programs.
     pub finding: Finding,

@@ -57,7 +57,7 @@ pub(super) fn of_group(
                 lines(&runs, "")
             ))
         }
-        Trouble::None | Trouble::Count { .. } => None,
+        Trouble::None | Trouble::Count(_) => None,
     }
 }
 

@@ -79,6 +79,10 @@ impl Layout {
     }
 }
 
+/// What works with a file that has commands and no torque.
+const WITHOUT_TORQUE: &str =
+    "`residyn replay` needs no torque: it compares the motion with the commands that stand here.";
+
 struct Search<'a> {
     header: &'a [String],
     read: Header<'a>,
@@ -208,11 +212,9 @@ impl Search<'_> {
             let chosen = all.and_then(|all| self.read.chosen(all, Some(dof)).ok());
             let Some(found) = chosen else {
                 let name = map.joint(group, beyond - 1);
-                return Err(Problem::WrongDof {
-                    expected: dof,
-                    found: beyond,
-                }
-                .in_column(self.file, &name));
+                return Err(self
+                    .wrong(dof, &self.named(&places))
+                    .in_column(self.file, &name));
             };
             self.take_found(group, &found);
             return Ok(());
@@ -220,10 +222,7 @@ impl Search<'_> {
         if let Some(gap) = places.iter().position(Option::is_none) {
             // All joints beyond the gap missing as well: the file is of a smaller robot.
             if group == Group::Q && places[gap..].iter().all(Option::is_none) {
-                let problem = Problem::WrongDof {
-                    expected: dof,
-                    found: beyond,
-                };
+                let problem = self.wrong(dof, &self.named(&places));
                 return Err(problem.in_column(self.file, &map.joint(group, gap)));
             }
             return Err(self.missing(map.joint(group, gap), None));
@@ -274,17 +273,33 @@ impl Search<'_> {
         ));
     }
 
+    /// Names of the columns at these places.
+    fn named(&self, places: &[Option<usize>]) -> Vec<&str> {
+        let found = places.iter().flatten();
+        found.map(|&i| self.header[i].as_str()).collect()
+    }
+
+    /// Refusal of the columns `found` of a robot with `expected` joints.
+    fn wrong(&self, expected: usize, found: &[&str]) -> Problem {
+        let model = self.options.stored_model;
+        Problem::WrongDof {
+            expected,
+            found: found.len(),
+            columns: list(found).into(),
+            model: model.then(|| self.options.joints.join(", ").into()),
+        }
+    }
+
     fn refusal(&self, group: Group, trouble: &Trouble) -> ReadError {
         let own = self.options.columns.joint(group, 0);
-        if let Trouble::Count { found, last } = trouble {
-            let problem = Problem::WrongDof {
-                expected: self.options.dof.unwrap_or(0),
-                found: *found,
-            };
-            return problem.in_column(self.file, &self.header[*last]);
+        if let Trouble::Count(found) = trouble {
+            let names: Vec<&str> = found.iter().map(|&i| self.header[i].as_str()).collect();
+            let problem = self.wrong(self.options.dof.unwrap_or(0), &names);
+            let last = names.last().copied().unwrap_or_default();
+            return problem.in_column(self.file, last);
         }
         let dof = self.options.dof.unwrap_or_else(|| self.numbered(Group::Q));
-        let declare = declaration::of_group(&self.read, group, trouble, dof);
+        let mut declare = declaration::of_group(&self.read, group, trouble, dof);
         if group == Group::Tau && *trouble == Trouble::None && declare.is_none() {
             let problem = Problem::NoTorque {
                 missing: own,
@@ -292,19 +307,23 @@ impl Search<'_> {
             };
             return problem.in_file(self.file);
         }
+        if group == Group::Tau && self.commanded(dof) {
+            declare = declare.map(|text| format!("{WITHOUT_TORQUE} {text}"));
+        }
         self.missing(own, declare)
+    }
+
+    /// Whether the file has the commands of a robot with `dof` joints beside its motion.
+    fn commanded(&self, dof: usize) -> bool {
+        self.numbered(Group::QRef) == dof || self.read.group(Group::QRef, Some(dof)).is_ok()
     }
 }
 
 /// Names in one line, shortened.
-fn list(header: &[String]) -> String {
+fn list(header: &[impl AsRef<str>]) -> String {
     const SHOWN: usize = 30;
-    let mut text = header
-        .iter()
-        .take(SHOWN)
-        .cloned()
-        .collect::<Vec<_>>()
-        .join(", ");
+    let shown = header.iter().take(SHOWN).map(AsRef::as_ref);
+    let mut text = shown.collect::<Vec<&str>>().join(", ");
     if header.len() > SHOWN {
         text.push_str(&format!(", and {} more", header.len() - SHOWN));
     }

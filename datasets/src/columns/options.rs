@@ -32,6 +32,8 @@ pub struct ReadOptions {
     pub columns: ColumnMap,
     /// Low-pass that recordings of this robot are declared to have been through.
     pub torque_filter: Option<DeclaredFilter>,
+    /// Whether the joints are those of a stored model, which no option of a program chooses. Refusals then say so.
+    pub stored_model: bool,
     /// The robot is the KR300 of the benchmark: its .mat files may be read.
     pub kr300: bool,
 }

@@ -24,7 +24,7 @@ pub(super) enum Trouble {
     /// Several columns could be meant.
     Several(Vec<usize>),
     /// Columns for another number of joints than the robot has.
-    Count { found: usize, last: usize },
+    Count(Vec<usize>),
     /// Joints by names that the robot does not have.
     Names(Vec<usize>),
     /// A torque in another unit than N·m.
@@ -237,10 +237,7 @@ impl<'a> Header<'a> {
                     unit: Affine::IDENTITY,
                 })
             }
-            _ => Err(Trouble::Count {
-                found: columns.len(),
-                last: columns.last().copied().unwrap_or(0),
-            }),
+            _ => Err(Trouble::Count(columns)),
         }
     }
 

@@ -104,7 +104,8 @@ fn without_names_the_order_of_the_first_message_is_taken_and_said() {
         e.problem,
         Problem::WrongDof {
             expected: 2,
-            found: 3
+            found: 3,
+            ..
         }
     ));
 }

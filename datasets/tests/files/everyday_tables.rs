@@ -389,6 +389,19 @@ fn no_time_asks_for_a_rate() {
 }
 
 #[test]
+fn replay_is_named_where_commands_stand_beside_the_motion() {
+    for (commands, named) in [("q_ref", true), ("note", false)] {
+        let columns = ["q", commands, "current"].map(|g| format!("{g}1,{g}2,{g}3"));
+        let text = format!("time,{}\n0,0,0,0,0,0,0,0,0,0\n", columns.join(","));
+        let e = try_text("run.csv", &text, &options())
+            .unwrap_err()
+            .to_string();
+        let hint = e.contains("`residyn replay` needs no torque");
+        assert_eq!(hint, named, "{e}");
+    }
+}
+
+#[test]
 fn what_is_not_known_comes_with_the_lines_that_declare_it() {
     let refused = |names: &[String], options: &ReadOptions| {
         let columns = called(("time", "t"), names);

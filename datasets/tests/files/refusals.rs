@@ -94,10 +94,23 @@ fn wrong_number_of_joints() {
         let o = ReadOptions::for_robot(dof);
         let e = read_as("run.csv", csv(|_| {}).as_bytes(), &o).unwrap_err();
         assert!(
-            matches!(e.problem, Problem::WrongDof { expected, found: 2 } if expected == dof),
+            matches!(&e.problem, Problem::WrongDof { expected, found: 2, .. } if *expected == dof),
             "{e}"
         );
     }
+}
+
+#[test]
+fn a_model_has_its_own_joints_which_no_option_chooses() {
+    let o = ReadOptions {
+        joints: ["base", "elbow", "wrist"].map(str::to_owned).to_vec(),
+        stored_model: true,
+        ..ReadOptions::for_robot(3)
+    };
+    let e = read_as("run.csv", csv(|_| {}).as_bytes(), &o).unwrap_err();
+    let text = e.to_string();
+    let said = "has columns for 2 joints (q1, q2), the model has 3 (base, elbow, wrist)";
+    assert!(text.contains(said) && !text.contains("--joints"), "{text}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod error;
 mod form;
+mod misfit;
 mod share;
 mod variants;
 mod worth;
@@ -98,6 +99,7 @@ pub fn read_options(
     })?;
     let mut options = Setup::of(robot, drive)?.read_options(part, torque_needed)?;
     let stored = file.preprocessing.torque_filter;
+    options.stored_model = true;
     options.torque_filter = options
         .torque_filter
         .or(stored.map(|filter| setup::known(filter, file.preprocessing.rate_hz)));
@@ -231,7 +233,7 @@ pub fn evaluate(
         repeatability,
         notes,
     };
-    Ok(Evaluation {
+    let mut evaluation = Evaluation {
         report,
         recording,
         session,
@@ -239,7 +241,11 @@ pub fn evaluate(
         physics,
         deviation,
         positions,
-    })
+    };
+    if let Some(warning) = evaluation.misfit(file) {
+        evaluation.report.notes.insert(0, warning);
+    }
+    Ok(evaluation)
 }
 
 impl Evaluation {

@@ -169,14 +169,11 @@ pub(super) fn not_identifiable(
                     effect: effect_of(p).or_else(|| effect_of(other.parameter)),
                     joints: place(p),
                     reason: format!(
-                        "{} and {} cannot be told apart (correlation {r:.2}): {}",
+                        "{} and {} cannot be told apart (correlation {r:.2}): only their combination is known; more of the one with {} \
+                         of the other follows the motion as well",
                         say(other.parameter),
                         say(p),
-                        if r > 0.0 {
-                            "only their difference is known"
-                        } else {
-                            "only their sum is known"
-                        }
+                        if r > 0.0 { "more" } else { "less" }
                     ),
                     finding: Finding::Inseparable,
                     values: vec![own(other.parameter), own(p)],

@@ -105,6 +105,41 @@ fn scores_and_predictions() {
     }
 }
 
+/// A model of another robot, or of joints in another order, is said not to fit; one of the recorded robot is not.
+#[test]
+fn a_model_that_does_not_fit_is_said() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let data = record_to(folder.path(), "train.csv", &ur5(), &Plan::default());
+    let model = train(folder.path(), &data, &["--physics-only"]);
+    let other = Plan {
+        seed: 2,
+        ..Plan::default()
+    };
+    let own = record_to(folder.path(), "own.csv", &ur5(), &other);
+    let foxbot = Robot::builtin("foxbot_a05").expect("built in");
+    let wrong = record_to(folder.path(), "wrong.csv", &foxbot, &other);
+    let swapped = folder.path().join("swapped.csv");
+    let text = std::fs::read_to_string(&own).expect("a recording");
+    let (head, rows) = text.split_once('\n').expect("a header");
+    let turned = head.replace("tau1", "?").replace("tau4", "tau1");
+    let turned = turned.replace('?', "tau4");
+    std::fs::write(&swapped, format!("{turned}\n{rows}")).expect("writable");
+    let scores = folder.path().join("scores.json");
+    for (data, fits) in [(&own, true), (&wrong, false), (&swapped, false)] {
+        let ended = run(eval(&model, data).arg("--json").arg(&scores));
+        ended.succeeded();
+        let notes = json(&scores)["notes"].to_string();
+        for said in [&ended.out, &notes] {
+            assert_eq!(
+                !said.contains("does not fit this recording"),
+                fits,
+                "{data:?}: {said}"
+            );
+        }
+        assert!(fits || ended.out.contains("NRMSE "), "{}", ended.out);
+    }
+}
+
 /// Earlier versions kept the covariance in `model.json` itself; what a control loop reads is smaller without it.
 #[test]
 fn a_directory_of_an_earlier_version_predicts_the_same() {

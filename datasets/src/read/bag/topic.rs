@@ -170,6 +170,8 @@ impl Order {
             return Err(Problem::WrongDof {
                 expected: dof,
                 found: here.len(),
+                columns: list(here.iter().map(String::as_str)).into(),
+                model: None,
             });
         }
         let joints = joints.get_or_insert_with(|| here.clone());

@@ -59,7 +59,7 @@ fn columns() {
         good.clone().without(&["q3"]).text(),
         &["`q3`", "missing"],
     );
-    let joints = "5 joints, the robot has 6";
+    let joints = "5 joints (q1, q2, q3, q4, q5), the robot has 6";
     both_refuse(
         "d.csv",
         good.clone().without(&["q6", "tau6"]).text(),
@@ -70,7 +70,11 @@ fn columns() {
         seven.header.push(name.into());
         seven.rows.iter_mut().for_each(|row| row.push("0.5".into()));
     }
-    both_refuse("e.csv", seven.text(), &["7 joints, the robot has 6"]);
+    both_refuse(
+        "e.csv",
+        seven.text(),
+        &["7 joints (q1, q2, q3, q4, q5, q6, q7), the robot has 6"],
+    );
     let mut twice = good;
     twice.header[3] = "q1".into();
     both_refuse("f.csv", twice.text(), &["column `q1`", "2 times"]);
