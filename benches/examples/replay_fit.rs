@@ -59,8 +59,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         .num_threads(a.threads)
         .build_global()?;
     let subject = Subject::read(&a.robot, &a.joints, None, None)?;
-    let mut data =
-        subject.prepared(&subject.recordings(std::slice::from_ref(&a.data), Part::Train)?)?;
+    let recording = subject.recording(&a.data, Part::Train)?;
+    let prepared = subject.prepared(std::slice::from_ref(&recording))?;
+    let mut data = prepared.ok_or("no recording")?;
     data.blocks.truncate(a.blocks.unwrap_or(usize::MAX));
     // The drive's damping and viscous friction are one number where no velocity is commanded.
     let start = subject.given.without_rates().arm;

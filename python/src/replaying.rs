@@ -3,8 +3,7 @@
 use crate::error::unreplayed;
 use crate::interrupt::{self, OnInterrupt};
 use crate::robot::Robot;
-use ::replay::diagnosis::Options;
-use ::replay::job::{Done, Job};
+use ::replay::{Done, Job, Options};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -37,7 +36,7 @@ pub fn replay(
         before,
         drive,
         gravity,
-        options: Options { fast, ceiling },
+        options: Options::default().fast(fast).ceiling(ceiling),
     };
     let done = interrupt::run(py, OnInterrupt::Abandon, move |_| job.run(|_| ()))?;
     done.map(Replay).map_err(|e| unreplayed(&e))

@@ -6,10 +6,11 @@ use crate::command::Interpolation;
 use crate::given::Given;
 use crate::parameter::{Kind, Parameter};
 use crate::tracks::{Replayed, prepare};
+use datasets::recording::Invalid;
 use datasets::{Part, Recording};
 use model::preparation::setup::{Setup, SetupError};
-use physics::robot::drive::{Controller, ControllerKind, Interpolation as Filled, Key};
-use physics::robot::{Actuator, Description, RobotError};
+use physics::robot::drive::{Controller, ControllerKind, Drive, Interpolation as Filled, Key};
+use physics::robot::{Actuator, Description, Robot, RobotError};
 use std::path::{Path, PathBuf};
 
 /// First guess of an unknown proportional gain, N·m/rad per kg·m² of the inertia that the joint moves. It is a natural
@@ -28,6 +29,24 @@ pub enum InputError {
     /// Recording that cannot be replayed.
     #[error(transparent)]
     Unusable(#[from] Unusable),
+    /// Recording whose tables do not belong together.
+    #[error("{source_name}: {invalid}")]
+    Invalid {
+        /// Source of the recording.
+        source_name: String,
+        /// First fault of its tables.
+        invalid: Invalid,
+    },
+    /// Recording with another number of joints than the robot.
+    #[error("{source_name}: has {found} joints, the robot has {expected}")]
+    Joints {
+        /// Source of the recording.
+        source_name: String,
+        /// Number of joints of the recording.
+        found: usize,
+        /// Number of joints of the robot.
+        expected: usize,
+    },
     /// Robot without any statement about the controller of its drives.
     #[error(
         "{robot} says nothing of the drives' controller; write it into a drive file and give that by --drive:\n\n{block}"
@@ -72,7 +91,19 @@ impl Subject {
         drive: Option<&Path>,
         gravity: Option<[f64; 3]>,
     ) -> Result<Self, InputError> {
-        let setup = Setup::with_joints(robot, joints, drive, gravity)?;
+        Self::new(Setup::with_joints(robot, joints, drive, gravity)?)
+    }
+
+    /// Subject of a robot in memory whose drives the block `[controller]` of `drive` describes.
+    ///
+    /// # Errors
+    /// A drive file that does not fit the robot, or that does not describe the controller.
+    pub fn of(robot: Robot, drive: Drive) -> Result<Self, InputError> {
+        Self::new(Setup::driven(robot, Some(drive))?)
+    }
+
+    /// Subject of a setup: the drives are those of its drive file, or else of its description.
+    fn new(setup: Setup) -> Result<Self, InputError> {
         let controller = setup.drive.as_ref().and_then(|d| d.controller.as_ref());
         let mut given = match controller {
             Some(controller) => by_block(&setup, controller),
@@ -90,18 +121,27 @@ impl Subject {
     /// # Errors
     /// Recording that cannot be read.
     pub fn recordings(&self, paths: &[PathBuf], part: Part) -> Result<Vec<Recording>, InputError> {
-        let read = |path: &PathBuf| Ok(self.setup.read_one(path, part, false)?);
+        let read = |path: &PathBuf| self.recording(path, part);
         paths.iter().map(read).collect()
     }
 
-    /// Prepares recordings, at least one, to be replayed together.
+    /// Reads a recording for one purpose: to be fitted or held out.
+    ///
+    /// # Errors
+    /// Recording that cannot be read.
+    pub fn recording(&self, path: &Path, part: Part) -> Result<Recording, InputError> {
+        Ok(self.setup.read_one(path, part, false)?)
+    }
+
+    /// Prepares recordings to be replayed together; none where there is no recording.
     ///
     /// # Errors
     /// Recording that cannot be replayed.
-    pub fn prepared(&self, recordings: &[Recording]) -> Result<Replayed, InputError> {
+    pub fn prepared(&self, recordings: &[Recording]) -> Result<Option<Replayed>, InputError> {
         let mut out: Option<Replayed> = None;
         let mut first = 0;
         for recording in recordings {
+            self.fits(recording)?;
             let lags = self.given.lags(recording.qd_ref.is_some());
             let replayed = prepare(recording, self.given.interpolation, first, &lags)?;
             first += recording.trajectories.len();
@@ -110,7 +150,24 @@ impl Subject {
                 None => out = Some(replayed),
             }
         }
-        Ok(out.expect("at least one recording is asked for"))
+        Ok(out)
+    }
+
+    /// Refuses a recording that is not of this robot, or that has no sample. Readers refuse such files before.
+    fn fits(&self, recording: &Recording) -> Result<(), InputError> {
+        let source_name = || recording.source.clone();
+        let (found, expected) = (recording.dof(), self.setup.robot.dof());
+        if found != expected {
+            return Err(InputError::Joints {
+                source_name: source_name(),
+                found,
+                expected,
+            });
+        }
+        recording.validate().map_err(|invalid| InputError::Invalid {
+            source_name: source_name(),
+            invalid,
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Diagnosis of motion from files, as the program and the Python package both run it.
+//! Diagnosis of motion: of recordings in memory, and from files, as the program and the Python package both run it.
 
 use crate::catalogue::Effect;
 use crate::diagnosis::{Options, Outcome, diagnose, earlier};
@@ -8,7 +8,7 @@ use crate::schema::Compared;
 use crate::simulate::Unstable;
 use crate::tracks::Replayed;
 use crate::{page, words};
-use datasets::Part;
+use datasets::{Part, Recording};
 use model::preparation::setup::refuse_overlap;
 use std::path::{Path, PathBuf};
 
@@ -53,6 +53,9 @@ pub enum ReplayError {
     /// Output file that cannot be written, found before work began.
     #[error(transparent)]
     Output(#[from] report::write::OutputError),
+    /// No recording to fit.
+    #[error("there is no recording to fit: give at least one beside the held-out one")]
+    NoData,
     /// Held-out recording that is also among the recordings to fit.
     #[error("--heldout {} is among --data: what is measured on it says nothing; give a recording of its own", .0.display())]
     NotHeldOut(PathBuf),
@@ -81,46 +84,79 @@ impl Job {
     ///
     /// # Errors
     /// Input that cannot be used, or a simulator that is unstable.
-    pub fn run(&self, mut stage: impl FnMut(&str)) -> Result<Done, ReplayError> {
+    pub fn run(&self, stage: impl FnMut(&str)) -> Result<Done, ReplayError> {
         let canonical = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.to_owned());
         let held = canonical(&self.heldout);
         if self.data.iter().any(|d| canonical(d) == held) {
             return Err(ReplayError::NotHeldOut(self.heldout.clone()));
         }
         let drive = self.drive.as_deref();
-        let mut subject = Subject::read(&self.robot, &self.joints, drive, self.gravity)?;
-        let fitted = subject.recordings(&self.data, Part::Train)?;
-        let measured = subject.recordings(std::slice::from_ref(&self.heldout), Part::Test)?;
-        let past = subject.recordings(&self.before, Part::Train)?;
-        let (mut data, mut heldout) = (subject.prepared(&fitted)?, subject.prepared(&measured)?);
-        for rows in [&fitted, &past] {
-            refuse_overlap(rows, &measured[0]).map_err(InputError::from)?;
+        let subject = Subject::read(&self.robot, &self.joints, drive, self.gravity)?;
+        let data = subject.recordings(&self.data, Part::Train)?;
+        let heldout = subject.recording(&self.heldout, Part::Test)?;
+        let before = subject.recordings(&self.before, Part::Train)?;
+        let named = |p: &PathBuf| p.display().to_string();
+        let mut done = replay_since(subject, &before, &data, &heldout, self.options, stage)?;
+        if let Some(compared) = &mut done.outcome.report.compared {
+            compared.before = self.before.iter().map(named).collect();
         }
-        let mut before = match &past[..] {
-            [] => None,
-            past => Some(subject.prepared(past)?),
-        };
-        let mut all = vec![&mut data, &mut heldout];
-        all.extend(&mut before);
-        alike(&mut all);
-        subject.given.notes.extend(added_in_some(&all));
-        if let Some(before) = before {
-            subject.given = earlier(&subject.given, &before, &mut stage)?;
-        }
-        let mut outcome = diagnose(&subject.given, &data, &heldout, self.options, stage)?;
-        outcome.report.compared = (!self.before.is_empty()).then(|| Compared {
-            before: self
-                .before
-                .iter()
-                .map(|p| p.display().to_string())
-                .collect(),
-        });
-        Ok(Done {
-            subject,
-            heldout,
-            outcome,
-        })
+        Ok(done)
     }
+}
+
+/// Diagnoses the gap in motion between the simulator `subject` and the robot that made the recordings, which have
+/// commanded positions (`q_ref`) and need no torque. Parameters are fitted to `data`, and every figure is measured on
+/// `heldout`. `stage` is called with the name of each step as it begins.
+///
+/// # Errors
+/// Recordings that cannot be used, or a simulator that is unstable.
+pub fn replay(
+    subject: Subject,
+    data: &[Recording],
+    heldout: &Recording,
+    options: Options,
+    stage: impl FnMut(&str),
+) -> Result<Done, ReplayError> {
+    replay_since(subject, &[], data, heldout, options, stage)
+}
+
+/// Diagnoses like [`replay`] what has changed on the robot since its recordings `before`. The simulator is fitted to
+/// them first; without any, it is taken as given.
+///
+/// # Errors
+/// As for [`replay`].
+pub fn replay_since(
+    mut subject: Subject,
+    before: &[Recording],
+    data: &[Recording],
+    heldout: &Recording,
+    options: Options,
+    mut stage: impl FnMut(&str),
+) -> Result<Done, ReplayError> {
+    let [fitted, past, measured] = [data, before, std::slice::from_ref(heldout)];
+    let mut data = subject.prepared(fitted)?.ok_or(ReplayError::NoData)?;
+    let mut heldout = subject.prepared(measured)?.ok_or(ReplayError::NoData)?;
+    let mut before = subject.prepared(past)?;
+    for rows in [fitted, past] {
+        refuse_overlap(rows, &measured[0]).map_err(InputError::from)?;
+    }
+    let compared = (!past.is_empty()).then(|| Compared {
+        before: past.iter().map(|r| r.source.clone()).collect(),
+    });
+    let mut all = vec![&mut data, &mut heldout];
+    all.extend(&mut before);
+    alike(&mut all);
+    subject.given.notes.extend(added_in_some(&all));
+    if let Some(before) = before {
+        subject.given = earlier(&subject.given, &before, &mut stage)?;
+    }
+    let mut outcome = diagnose(&subject.given, &data, &heldout, options, stage)?;
+    outcome.report.compared = compared;
+    Ok(Done {
+        subject,
+        heldout,
+        outcome,
+    })
 }
 
 impl Done {

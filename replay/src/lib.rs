@@ -7,7 +7,6 @@ pub mod arm;
 pub mod catalogue;
 pub mod check;
 pub mod command;
-mod command_line;
 pub mod decide;
 pub mod diagnosis;
 pub mod fit;
@@ -28,4 +27,6 @@ pub mod smooth;
 pub mod tracks;
 pub mod words;
 
-pub use command_line::{Arguments, run};
+pub use diagnosis::Options;
+pub use input::Subject;
+pub use job::{Done, Job, ReplayError, replay, replay_since};

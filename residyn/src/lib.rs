@@ -87,7 +87,26 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Ten short programs stand in `examples/`.
+//! # What do its drives get wrong?
+//! Commands and positions are enough, and no torque is needed. Recordings lie in memory here, as those of a control loop do; files are read
+//! by [`replay::Job`].
+//! ```no_run
+//! use residyn::physics::robot::drive::Drive;
+//! use residyn::replay::{Options, Subject};
+//! use residyn::{Recording, Robot, replay};
+//!
+//! # let [monday, friday]: [Recording; 2] = unimplemented!();
+//! let robot = Robot::from_urdf_file("simulator.urdf")?;
+//! let drive = Drive::from_file("drive.toml", &robot)?; // its block [controller]
+//! // Recordings with commanded positions: `q_ref: Some(…)`.
+//! let done = replay(Subject::of(robot, drive)?, &[monday], &friday, Options::default(), |stage| eprintln!("{stage} …"))?;
+//! for cause in &done.outcome.report.causes {
+//!     println!("{} of {:?} closes {:.0} %", cause.effect, cause.joints, 100.0 * cause.gap_closed);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Eleven short programs stand in `examples/`.
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "diagnosis")]
@@ -95,6 +114,9 @@
 pub mod programs;
 
 pub use {datasets, diagnose, feedforward, identify, model, physics, report, signal, trials};
+// The crate and, of the same name, its function.
+pub use ::replay;
+pub use ::replay::replay;
 
 pub use datasets::{ReadOptions, Recording, Trajectory, read, write};
 pub use diagnose::{Done, Job, Subject};

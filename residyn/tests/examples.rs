@@ -20,7 +20,7 @@ fn examples_run() {
         .filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned()))
         .collect();
     names.sort();
-    assert_eq!(names.len(), 10, "{names:?}");
+    assert_eq!(names.len(), 11, "{names:?}");
     let elsewhere = tempfile::tempdir().expect("a folder for temporary files");
     let run = |name: &String| {
         let done = Command::new(built.join(name))

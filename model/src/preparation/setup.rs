@@ -195,6 +195,14 @@ impl Setup {
         let drive = drive
             .map(|path| Drive::from_file(path, &robot))
             .transpose()?;
+        Self::driven(robot, drive)
+    }
+
+    /// Setup of a robot and a drive file that are loaded already.
+    ///
+    /// # Errors
+    /// A drive file that does not fit the robot.
+    pub fn driven(robot: Robot, drive: Option<Drive>) -> Result<Self, SetupError> {
         let robot = match &drive {
             Some(drive) => drive.apply(robot)?,
             None => robot,

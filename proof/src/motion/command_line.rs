@@ -1,7 +1,7 @@
 //! Command line of the program `replay`, with the subcommands of its proof.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-use super::{MotionError, Score, calibration, kinds, misses, prove, rates, score};
+use super::{MotionError, Score, calibration, diagnosis, kinds, misses, prove, rates, score};
 use clap::{CommandFactory, Parser, Subcommand};
 use indicatif::ProgressBar;
 use std::ffi::OsString;
@@ -18,7 +18,7 @@ struct Command {
     proof: Option<Proof>,
     /// The diagnosis.
     #[command(flatten)]
-    arguments: Option<replay::Arguments>,
+    arguments: Option<diagnosis::Arguments>,
 }
 
 #[derive(Subcommand)]
@@ -67,7 +67,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 })
             }
         },
-        (None, Some(arguments)) => replay::run(&arguments),
+        (None, Some(arguments)) => diagnosis::run(&arguments),
         (None, None) => {
             report::warn!("error: --robot, --data and --heldout are needed; see --help");
             ExitCode::from(2)

@@ -5,6 +5,7 @@
 
 mod case;
 mod command_line;
+mod diagnosis;
 mod effects;
 mod files;
 mod real;
@@ -20,9 +21,10 @@ pub use tables::{calibration, kinds, misses, rates};
 
 use datasets::Part;
 use rayon::prelude::*;
-use replay::diagnosis::{Options, diagnose};
-use replay::input::{InputError, Subject};
+use replay::diagnosis::diagnose;
+use replay::input::InputError;
 use replay::simulate::Unstable;
+use replay::{Options, Subject};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -200,14 +202,12 @@ fn said(case: &Path, name: &str) -> Result<replay::schema::Report, MotionError> 
     let drive = drive.is_file().then_some(drive.as_path());
     let subject = Subject::read(&robot.display().to_string(), &[], drive, None).map_err(refused)?;
     let recording = |file: &str, part: Part| -> Result<_, InputError> {
-        subject.prepared(&subject.recordings(&[case.join(file)], part)?)
+        let recordings = subject.recordings(&[case.join(file)], part)?;
+        Ok(subject.prepared(&recordings)?.expect("one recording"))
     };
     let data = recording("train.parquet", Part::Train).map_err(refused)?;
     let heldout = recording("test.parquet", Part::Test).map_err(refused)?;
-    let options = Options {
-        fast: true,
-        ..Options::default()
-    };
+    let options = Options::default().fast(true);
     let outcome = diagnose(&subject.given, &data, &heldout, options, |_| ());
     let outcome = outcome.map_err(|error| MotionError::Unstable {
         case: name.to_owned(),

@@ -49,13 +49,28 @@ const TEMPER: f64 = 0.14;
 /// listed.
 pub const TOLERANCES: &str = "tolerances";
 
-/// What is asked for beyond the causes and their shares.
+/// What is asked for beyond the causes and their shares: `Options::default().fast(true)`.
 #[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
 pub struct Options {
     /// Whether fits that leave one cause out end early.
     pub fast: bool,
     /// Whether the corrected simulator is fitted to the held-out recording itself, too, as `ceiling` of the report.
     pub ceiling: bool,
+}
+
+impl Options {
+    /// Options with fits that leave one cause out ended early, or not: causes' shares are then rougher.
+    pub fn fast(mut self, fast: bool) -> Self {
+        self.fast = fast;
+        self
+    }
+
+    /// Options with the corrected simulator fitted to the held-out recording itself, too, or not.
+    pub fn ceiling(mut self, ceiling: bool) -> Self {
+        self.ceiling = ceiling;
+        self
+    }
 }
 
 /// Outcome of a diagnosis: the report, and the simulators that it compares.

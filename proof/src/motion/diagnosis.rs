@@ -1,11 +1,10 @@
-//! Command line of the program `replay`.
+//! A diagnosis by the program `replay`: its arguments, and its run from files to files.
 // `println!` panics where the reader has gone (`… | head`): see `report::say`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-use crate::diagnosis::Options;
-use crate::job::{Job, ReplayError};
 use clap::Args;
 use indicatif::ProgressBar;
+use replay::{Job, Options, ReplayError};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -77,10 +76,9 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
         before: arguments.before.clone(),
         drive: arguments.drive.clone(),
         gravity: arguments.gravity,
-        options: Options {
-            fast: arguments.fast,
-            ceiling: arguments.ceiling,
-        },
+        options: Options::default()
+            .fast(arguments.fast)
+            .ceiling(arguments.ceiling),
     };
     let begun = Instant::now();
     let spinner = ProgressBar::new_spinner();
