@@ -294,7 +294,7 @@ impl Done {
         }
         inputs.push(("data".to_owned(), data.join(", ")));
         inputs.push(("held out".to_owned(), held));
-        page::render(&self.outcome, &inputs, patch)
+        page::render(&self.outcome, &self.given.model.robot, &inputs, patch)
     }
 
     /// Model directory with the prediction of the ladder's last structural step.

@@ -41,6 +41,8 @@ def test_replay_is_the_program(program, case, report, tmp_path):
     assert report.raw == json.loads(said.stdout)
     assert f"Written: {tmp_path / 'page.html'}" in said.stderr
     assert report.to_html(tmp_path / "own.html") == (tmp_path / "page.html").read_text() == (tmp_path / "own.html").read_text()
+    page = report.to_html()
+    assert "What to do next" in page and 'class="jt jg"' in page and f"{report.causes[0].joints[0]}: " in page
     assert report._repr_html_().startswith("<iframe srcdoc=")
     assert report.ladder[0].step == "as_given" and len(report.causes) == len(report.raw["causes"])
     if importlib.util.find_spec("matplotlib"):

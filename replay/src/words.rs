@@ -105,6 +105,52 @@ pub fn number(v: f64) -> String {
     }
 }
 
+/// What to do next, most urgent first: set the biggest cause's values, load the corrected model, tell ambiguous names apart. `words`
+/// turns an effect's name into plain words.
+pub fn next(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<String> {
+    let Some(first) = report.causes.iter().find(|c| c.confirmed) else {
+        return vec![match report.verdict {
+            "no_gap" => "Nothing has to change.".to_owned(),
+            "explained" if report.causes.is_empty() => "No effect is missing. Load the corrected model, whose values differ within their tolerance: --patch OUT writes it \
+                (in Python report.patch)."
+                .to_owned(),
+            "cannot_tell" => {
+                let reason = report.reason.as_deref().unwrap_or("this motion says too little");
+                format!("Record again: {}.", reason.trim_end_matches('.'))
+            }
+            _ => "Look where the gap lies, below, and record more motion there: fast and slow, in both directions, with load.".to_owned(),
+        }];
+    };
+    let values: Vec<String> = first.parameters.iter().map(value).collect();
+    let mut out = vec![format!(
+        "For the biggest cause, {}, set: {}.",
+        words(first.effect),
+        values.join("; ")
+    )];
+    let left = report.file_alone.figures.mean_unexplained;
+    let left = left.map_or(String::new(), |part| {
+        format!(
+            " Fitted for what it can hold, it leaves {:.0} % unexplained.",
+            100.0 * part
+        )
+    });
+    out.push(format!(
+        "Or load a corrected model with every change: --patch OUT writes it (in Python report.patch).{left} \
+         python -m residyn.verify --replay replays the commands on it in MuJoCo."
+    ));
+    let confirmed = report.causes.iter().filter(|c| c.confirmed);
+    for cause in confirmed.filter(|c| !c.ambiguous_with.is_empty()).take(1) {
+        let others: Vec<&str> = cause.ambiguous_with.iter().map(|n| words(n)).collect();
+        out.push(format!(
+            "The name may be another: {} or {} on {}. Their pages in docs/effects say which motion tells them apart.",
+            words(cause.effect),
+            others.join(" or "),
+            cause.joints.join(", ")
+        ));
+    }
+    out
+}
+
 /// What the corrected simulator leaves where its values are fitted to the held-out recording itself, in one sentence.
 pub fn ceiling(figures: &Figures) -> Option<String> {
     let part = figures.mean_unexplained?;

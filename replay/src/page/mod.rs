@@ -1,5 +1,6 @@
 //! Report of a diagnosis as an HTML page.
 
+mod chain;
 mod following;
 
 use crate::catalogue::Effect;
@@ -34,7 +35,9 @@ pub fn page(outcome: &Outcome, heldout: &Replayed, title: &str) -> String {
             page = page.key_figure(figure.note("mean over joints, held out").tone(tone));
         }
     }
-    page.section(causes(report))
+    page.section(Section::new("What to do next").list(words::next(report, self::title)))
+        .section(causes(report))
+        .section(chain::section(outcome, heldout))
         .section(curves(outcome, heldout))
         .section(following::following(outcome, heldout))
         .section(ladder(report))

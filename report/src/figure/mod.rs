@@ -5,10 +5,12 @@
 //! | [`Plot`] | curves, points and bands over a shared horizontal axis, in one or several panels: time series, residual against velocity, spectra |
 //! | [`Bars`] | values by category, one or several series, with intervals |
 //! | [`Waterfall`] | how a quantity shrinks step by step |
+//! | [`Chain`] | an arm from the side, with the joints that a cause lies on |
 //! | [`HeatMap`] | a table of values as shades |
 
 mod bars;
 mod bins;
+mod chain;
 mod curves;
 mod decimate;
 mod draw;
@@ -19,6 +21,7 @@ mod svg;
 mod waterfall;
 
 pub use bars::Bars;
+pub use chain::Chain;
 pub use decimate::MAX_POINTS;
 pub use heat::HeatMap;
 pub use plot::{Panel, Plot};

@@ -39,6 +39,14 @@ impl Svg {
         self.body.push_str("\"/>");
     }
 
+    pub(super) fn circle(&mut self, class: &str, (x, y): (f64, f64), radius: f64) {
+        let (x, y, radius) = (Number(x), Number(y), Number(radius));
+        let _ = write!(
+            self.body,
+            "<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"/>"
+        );
+    }
+
     pub(super) fn rect(&mut self, class: &str, corner: (f64, f64), size: (f64, f64)) {
         self.rect_with_opacity(class, corner, size, None);
     }

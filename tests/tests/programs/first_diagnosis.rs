@@ -63,6 +63,15 @@ fn the_pages_show_what_the_demo_says() {
     for file in ["robot.urdf", "gap.html", "corrected.urdf"] {
         assert!(written.join(file).is_file(), "{file}");
     }
+    // The page's first screen: what to do, and the joints on which the payload lies.
+    let page = std::fs::read_to_string(written.join("gap.html")).expect("a page");
+    for part in [
+        "What to do next",
+        "attach a body to the last link",
+        "elbow_joint: payload",
+    ] {
+        assert!(page.contains(part), "no {part} on the page");
+    }
     // What is withheld, to a deviation of the printed one.
     let mass = said.split("mass ").nth(1).expect("a payload's mass");
     let mut words = mass.split_whitespace().filter_map(|w| w.parse().ok());

@@ -1,20 +1,28 @@
 //! The report as one self-contained HTML page.
 
 mod causes;
+mod chain;
 mod data;
 mod maps;
 mod torque;
 
 use crate::advice::patch::Patch;
 use crate::outcome::Outcome;
-use crate::report::words::{closes, joined, lines, name, worst_findings};
+use crate::report::words::{closes, corrected, joined, lines, name, next, worst_findings};
 use crate::schema::{Diagnosis, Step, Verdict};
+use physics::robot::Robot;
 use report::figure::{Bars, Ink, Waterfall};
 use report::{Cell, Column, KeyFigure, Page, Section, Table, Tone};
 use std::cmp::Ordering;
 
-/// Renders the page. `inputs` names robot and recordings; `patch` holds the changes of the model by the causes.
-pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> String {
+/// Renders the page. `robot` is the model as given; `inputs` names it and the recordings; `patch` holds the changes of the model by
+/// the causes.
+pub fn render(
+    outcome: &Outcome,
+    robot: &Robot,
+    inputs: &[(String, String)],
+    patch: &Patch,
+) -> String {
     let d = &outcome.diagnosis;
     let [title, subtitle] = match d.compared {
         None => [
@@ -50,7 +58,8 @@ pub fn render(outcome: &Outcome, inputs: &[(String, String)], patch: &Patch) -> 
                 .note(format!("on {}", first.joints.join(", "))),
         );
     }
-    page.section(words(d))
+    page.section(words(d, patch))
+        .section(chain::section(outcome, robot))
         .section(ladder(outcome))
         .section(torque::section(outcome))
         .section(causes::section(outcome))
@@ -91,12 +100,16 @@ fn tone(d: &Diagnosis) -> Tone {
 }
 
 /// Section with the verdict and its consequences, in the words of the terminal.
-fn words(d: &Diagnosis) -> Section {
+fn words(d: &Diagnosis, patch: &Patch) -> Section {
     let findings = worst_findings(d);
     // Lines that belong together in the terminal are one item here.
     let mut said: Vec<String> = Vec::new();
+    // The remedy stands under what to do next.
+    let (head, mut remedy) = (format!("  In the {}:", corrected(d)), false);
     for line in lines(d).iter().filter(|l| !findings.contains(l)) {
+        remedy = line.starts_with(&head) || (remedy && line.starts_with(' '));
         match said.last_mut() {
+            _ if remedy => {}
             Some(last) if line.starts_with(' ') => {
                 *last = joined(last, line);
             }
@@ -113,6 +126,10 @@ fn words(d: &Diagnosis) -> Section {
     for finding in &findings {
         section = section.callout(Tone::Bad, "Look at the recording first", finding.clone());
     }
+    section = section
+        .heading("What to do next")
+        .list(next(d, patch.code.is_some()))
+        .heading("What was found");
     section.list(said.iter().skip(1).cloned()).paragraph(
         "NRMSE: root mean squared torque error over the standard deviation of the measured torque, joint by joint; the mean is \
          over joints.",

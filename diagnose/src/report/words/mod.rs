@@ -1,8 +1,10 @@
 //! The report as text, for the terminal and the page.
 
 mod cause;
+mod next;
 
 pub use cause::{advice, closes, joined, name, plain, sentence, told};
+pub use next::next;
 
 use crate::catalogue::effect::Effect;
 use crate::schema::Bounds;
