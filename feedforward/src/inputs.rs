@@ -68,4 +68,7 @@ pub struct UnitValidation {
     pub with_unit: Option<f64>,
     /// RMS error on the validation trajectories with a ridge regression on the same inputs in place of the unit, N·m.
     pub with_ridge: Option<f64>,
+    /// Motion of other joints that the unit also sees, because the residual follows it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub companions: Vec<Input>,
 }

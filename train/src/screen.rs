@@ -5,8 +5,9 @@ use crate::output::{PAGE, published};
 use crate::taught::Outside;
 use datasets::check::{CheckReport, Complaint, Finding, Severity};
 use datasets::metrics::{Row, Scope};
-use model::directory::json;
+use feedforward::inputs::Input;
 use model::directory::metrics::{Member, Metrics};
+use model::directory::{ModelFile, json};
 use model::physics_fit::Fit;
 use model::tables;
 use physics::robot::Robot;
@@ -134,6 +135,7 @@ pub fn first(
         say_text!(table.to_text());
     }
     let mut lines: Vec<String> = outside.iter().map(Outside::line).collect();
+    lines.extend(followed(file));
     lines.extend(look_at(fit, metrics, checks));
     if !lines.is_empty() {
         say!("\nLook at:");
@@ -145,6 +147,20 @@ pub fn first(
         }
     }
     places(&arguments.out);
+}
+
+/// Lines on joints whose residual follows another joint's motion, where the unit that sees it is on.
+fn followed(file: &ModelFile) -> impl Iterator<Item = String> {
+    let units = file.compensator.iter().flat_map(|c| &c.validation);
+    let on = units.filter(|u| u.enabled && !u.companions.is_empty());
+    on.map(|unit| {
+        let others: Vec<String> = unit.companions.iter().map(Input::name).collect();
+        format!(
+            "{}: the torque that the physics leaves follows {}, as that of a cable or a hose may; its learned unit sees that, too",
+            unit.joint,
+            others.join(" and ")
+        )
+    })
 }
 
 /// Prints the paths of the results.

@@ -22,7 +22,7 @@ import effects
 import loop
 from arm import LENGTH, nominal_spec
 from cases import HELD_OUT, session
-from outside import CableTug
+from outside import CableTug, CrossDrag
 
 MOTIONS = HELD_OUT[:3]
 KINDS = {
@@ -30,7 +30,8 @@ KINDS = {
     "friction": effects.FrictionParameters,
     "payload": effects.Payload,
     "elasticity": effects.JointElasticity,
-    "outside": CableTug,
+    "cable": CableTug,
+    "drag": CrossDrag,
 }
 ROWS = {
     "none": "PD alone",

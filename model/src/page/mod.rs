@@ -9,6 +9,7 @@ pub use subject::Subject;
 use crate::directory::ModelFile;
 use crate::tables;
 use datasets::metrics::Scope;
+use feedforward::inputs::Input;
 use report::figure::{Ink, Panel, Plot};
 use report::{KeyFigure, Page, Section, Tone};
 
@@ -131,8 +132,13 @@ fn compensator(file: &ModelFile) -> Section {
     };
     let lines = record.validation.iter().map(|v| {
         let figure = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.4} N·m"));
+        let others: Vec<String> = v.companions.iter().map(Input::name).collect();
+        let others = match others.is_empty() {
+            true => String::new(),
+            false => format!(", also sees {}", others.join(" and ")),
+        };
         format!(
-            "{}: {}; error on trajectories held back: physics {}, with the unit {}, with ridge regression on the same inputs {}",
+            "{}: {}{others}; error on trajectories held back: physics {}, with the unit {}, with ridge regression on the same inputs {}",
             v.joint, if v.enabled { "on" } else { "off, it did not help" },
             figure(v.physics), figure(v.with_unit), figure(v.with_ridge)
         )

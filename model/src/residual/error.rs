@@ -1,6 +1,7 @@
 //! Errors of training, loading and evaluating the learned part.
 
 use crate::directory::DirectoryError;
+use ::identify::least_squares::LeastSquaresError;
 use feedforward::LoadError;
 
 /// Reason why the learned part could not be trained, loaded or evaluated.
@@ -21,6 +22,9 @@ pub enum ResidualError {
     /// Yardsticks' files that cannot be used.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
+    /// Residual that is not finite where other joints' motion is tried beside it.
+    #[error(transparent)]
+    LeastSquares(#[from] LeastSquaresError),
     /// Training trajectories in fewer than three folds: yardsticks need one to fit, one to choose and one to judge.
     #[error(
         "yardsticks need training trajectories in at least three folds: to fit, to choose by, to judge by"

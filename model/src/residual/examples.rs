@@ -1,9 +1,10 @@
 //! Training examples of the units: rows of the training recordings in sequences, with the physics' residual.
 
-use super::{Pace, waves};
+use super::{Pace, ResidualError, companions, waves};
 use crate::physics_fit::Fit;
 use datasets::Recording;
 use datasets::metrics::MOVING;
+use feedforward::inputs::{Input, Signal};
 use ndarray::{Array1, Array2, Axis};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -11,6 +12,8 @@ use std::ops::Range;
 
 /// Quantile of a joint's speeds in motion that counts as a fast one.
 const FAST: f64 = 0.9;
+/// Most rows from which companions are chosen: smooth functions need no more, and time grows with them.
+const CHOSEN_FROM: usize = 6000;
 
 /// Rows of all training recordings, concatenated.
 pub(super) struct Examples {
@@ -105,13 +108,45 @@ impl Examples {
         self.rows.iter().flat_map(of).collect()
     }
 
+    fn fold_of_rows(&self) -> Vec<usize> {
+        let each = self.segments.iter().zip(&self.folds);
+        each.flat_map(|(segment, &fold)| std::iter::repeat_n(fold, segment.len()))
+            .collect()
+    }
+
+    /// Positions and velocities of other joints that each joint's residual follows.
+    pub fn companions(&self, fit: &Fit) -> Result<Vec<Vec<Input>>, ResidualError> {
+        let step = self.len().div_ceil(CHOSEN_FROM).max(1);
+        let fold: Vec<usize> = self.fold_of_rows().into_iter().step_by(step).collect();
+        let places: Vec<(usize, usize)> = self.places().into_iter().step_by(step).collect();
+        let joints = self.targets.len();
+        let motion = Array2::from_shape_fn((places.len(), 2 * joints), |(row, column)| {
+            let (part, sample) = places[row];
+            let motion = &fit.session.parts[part].at_samples;
+            let table = if column < joints {
+                &motion.q
+            } else {
+                &motion.qd
+            };
+            table[[sample, column % joints]]
+        });
+        let rows = companions::Rows::new(motion, &fold);
+        let of = |(joint, left): (usize, &Array1<f32>)| {
+            let left: Vec<f64> = left.iter().step_by(step).map(|l| f64::from(*l)).collect();
+            let followed = rows.followed(joint, &left)?;
+            let input = |column: usize| Input {
+                joint: column % joints,
+                signal: [Signal::Position, Signal::Velocity][column / joints].clone(),
+            };
+            Ok(followed.into_iter().map(input).collect())
+        };
+        self.targets.iter().enumerate().map(of).collect()
+    }
+
     /// Orders of the torque that is periodic in each joint's position. The highest is the one that the torque's
     /// channel passes at nearly all speeds of the joint.
     pub fn waves(&self, fit: &Fit) -> Vec<Vec<f64>> {
-        let mut fold_of_row = vec![0; self.len()];
-        for (segment, fold) in self.segments.iter().zip(&self.folds) {
-            fold_of_row[segment.clone()].fill(*fold);
-        }
+        let fold_of_row = self.fold_of_rows();
         let places = self.places();
         let of = |joint: usize| {
             let rows = places.iter().zip(&self.targets[joint]).zip(&fold_of_row);

@@ -24,13 +24,14 @@ pub enum Preset {
 /// motion of the other joints lets a network recognise the 33 trajectories, while memory generalises.
 /// `moving_only` uses a finer set of states. Two joints whose gears are `nested` in each other get each other's
 /// velocity. `waves` are the orders of each joint's torque periodic in its position ([`super::waves::orders`];
-/// empty: none). The warm-up clock is left to the physics: a network extrapolates it without bound.
+/// empty: none), `companions` the other joints' positions and velocities that its unit also sees. The warm-up clock is left to the physics: a network extrapolates it without bound.
 pub fn inputs(
     preset: Preset,
     joints: usize,
     moving_only: bool,
     nested: Option<[usize; 2]>,
     waves: &[Vec<f64>],
+    companions: &[Vec<Input>],
 ) -> (Vec<Input>, Vec<Vec<usize>>) {
     let mut list: Vec<Input> = Vec::new();
     let mut seen = vec![Vec::new(); joints];
@@ -77,6 +78,13 @@ pub fn inputs(
                 }
             }
         }
+    }
+    for (columns, companions) in seen.iter_mut().zip(companions) {
+        columns.extend(
+            companions
+                .iter()
+                .filter_map(|c| list.iter().position(|i| i == c)),
+        );
     }
     (list, seen)
 }

@@ -1,5 +1,6 @@
 //! The learned part of a model: inputs, training on the residual torque, prediction.
 
+mod companions;
 mod error;
 mod examples;
 mod inputs;

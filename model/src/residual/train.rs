@@ -1,7 +1,7 @@
 //! Training of the units on the physics' residual.
 
 use super::examples::Examples;
-use super::inputs::{input_table, inputs, remember};
+use super::inputs::{Preset, input_table, inputs, remember};
 use super::task::{ResidualOptions, Task, within};
 use super::trial::Trial;
 use super::yardsticks::{self, Splits, Yardsticks};
@@ -65,12 +65,17 @@ pub fn train_residual(
     // Windows keep their length in time: faster recordings are taken apart into several sequences.
     let period = 1.0 / fit.file.preprocessing.rate_hz;
     let examples = Examples::new(fit, data, period, options.moving_only);
+    let companions = match options.preset {
+        Preset::Default => examples.companions(fit)?,
+        Preset::Ucm => vec![Vec::new(); joints],
+    };
     let (list, seen) = inputs(
         options.preset,
         joints,
         options.moving_only,
         fit.file.physics.builtin.and_then(Builtin::nested_gears),
         &examples.waves(fit),
+        &companions,
     );
     let load = fit.session.load(model.load_robot());
     let tables = input_table(&fit.session, &list, &load, &[]);
@@ -103,6 +108,7 @@ pub fn train_residual(
             physics: trial.and_then(|(n, _)| n.report.validation_rmse_off),
             with_unit: trial.and_then(|(n, _)| n.report.validation_rmse),
             with_ridge: trial.and_then(|(_, r)| r.report.validation_rmse),
+            companions: companions[trained.unit.joint].clone(),
         });
         units.push(trained.unit);
     }
