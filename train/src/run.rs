@@ -117,9 +117,11 @@ fn steps(
                 heldout,
             )
         });
-    if options.identify.select && !outside.is_empty() {
+    let faster = outside.iter().filter(|o| o.faster).map(|o| o.joint);
+    let faster: Vec<usize> = faster.collect();
+    if options.identify.select && !faster.is_empty() {
         let mut plain = options.clone();
-        plain.identify.plain = outside.iter().map(|o| o.joint).collect();
+        plain.identify.plain = faster;
         fit = fitted(&plain)?;
     }
     let apart = physics_out_of_fold(&fit, &input.data).map_err(FitError::from)?;

@@ -22,6 +22,9 @@ pub struct Outside {
     pub name: String,
     /// Part of the held-out samples that are beyond the fitted speeds or accelerations.
     pub part: f64,
+    /// Whether the joint leaves the fitted speeds. Friction follows the speed, so that its shapes are extrapolated then;
+    /// accelerations belong to the rigid body.
+    pub faster: bool,
     /// Ratio of the largest held-out to the largest fitted speed, and of the accelerations.
     pub times: [f64; 2],
 }
@@ -31,11 +34,16 @@ impl Outside {
     pub fn line(&self) -> String {
         format!(
             "{}: {:.0} % of the held-out motion lie outside what was taught (top speed {:.1} times, acceleration {:.1} times): figures there are \
-             extrapolated, and the joint keeps simple friction",
+             extrapolated{}",
             self.name,
             100.0 * self.part,
             self.times[0],
-            self.times[1]
+            self.times[1],
+            if self.faster {
+                ", and the joint keeps simple friction"
+            } else {
+                ""
+            }
         )
     }
 }
@@ -53,18 +61,20 @@ pub fn outside(robot: &Robot, fitted: &[Prepared], heldout: &Prepared) -> Vec<Ou
         let own = &heldout.at_samples;
         let tables = [&own.qd, &own.qdd];
         let rows = own.len();
-        let beyond = (0..rows)
-            .filter(|&r| (0..2).any(|k| tables[k][(r, joint)].abs() > FARTHER * limits[k]))
-            .count();
+        let farther = |r: usize, k: usize| tables[k][(r, joint)].abs() > FARTHER * limits[k];
+        let part_of = |is_beyond: &dyn Fn(usize) -> bool| {
+            (0..rows).filter(|&r| is_beyond(r)).count() as f64 / rows.max(1) as f64
+        };
         let times = [0, 1].map(|k| {
             let sizes = tables[k].column(joint).iter().map(|v| v.abs()).collect();
             quantile(sizes, 1.0 - ENDS).unwrap_or(0.0) / limits[k].max(f64::MIN_POSITIVE)
         });
-        let part = beyond as f64 / rows.max(1) as f64;
+        let part = part_of(&|r| (0..2).any(|k| farther(r, k)));
         (part > BEYOND && limits[0] > 0.0).then(|| Outside {
             joint,
             name: robot.joints()[joint].name.clone(),
             part,
+            faster: part_of(&|r| farther(r, 0)) > BEYOND,
             times,
         })
     };
