@@ -87,7 +87,7 @@ pub fn learned(
     };
     let session = Session::new(parts, &[]);
     let joints = robot.joint_names();
-    let (list, seen) = inputs(Preset::Default, joints.len(), false, None, &[]);
+    let (list, seen) = inputs(Preset::Default, joints.len(), false, None, &[], &[]);
     let tables = input_table(&session, &list, &session.load(robot), &[]);
     let pieces = pieces(&session.parts[0].at_samples.segments);
     let (rows, sequences) = fitted.rows(&pieces);
