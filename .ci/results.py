@@ -224,7 +224,8 @@ def ranked(path):
     """Rows of a leaderboard that `eval` wrote, the least error first."""
     rows = json.loads(Path(path).read_text())["rows"]
     for row in sorted(rows, key=lambda r: r["all"]["mean_nrmse"]):
-        scores = {key: [row[key]["mean_nrmse"], *(row[key]["mean_nrmse_interval"] or [])] for key in ("all", "moving") if row[key]}
+        scores = {key: [round(x, 4) for x in (row[key]["mean_nrmse"], *(row[key]["mean_nrmse_interval"] or []))]
+                  for key in ("all", "moving") if row[key]}  # fmt: skip
         sizes = [str(n) for n in (row["parameters"], row["network_parameters"]) if n is not None]
         origin = f"published, {row['published']['part']}" if row["published"] else ", ".join(Path(d).name for d in row["directories"])
         yield {"model": row["model"], "of": origin, "all": scores["all"], "moving": scores.get("moving"), "parameters": " + ".join(sizes) or None}

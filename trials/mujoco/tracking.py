@@ -22,7 +22,7 @@ import effects
 import loop
 from arm import LENGTH, nominal_spec
 from cases import HELD_OUT, session
-from outside import CableTug, CrossDrag
+from outside import CableTug
 
 MOTIONS = HELD_OUT[:3]
 KINDS = {
@@ -31,7 +31,6 @@ KINDS = {
     "payload": effects.Payload,
     "elasticity": effects.JointElasticity,
     "cable": CableTug,
-    "drag": CrossDrag,
 }
 ROWS = {
     "none": "PD alone",
