@@ -62,15 +62,23 @@ pub fn cause(cause: &Cause, words: &str) -> String {
     )
 }
 
-/// Part of a squared error that a cause removes, in words; what makes the error larger adds to it.
+/// Part of a squared error that a cause removes, in words; what makes the error larger adds to it. The cause has been left out and
+/// all else fitted again: where nothing is lost by that, other values take its place.
 fn removed(part: f64, [low, high]: [f64; 2]) -> String {
-    let said = |verb: &str, [part, low, high]: [f64; 3]| {
-        format!("{verb} {part:.0} % of the squared error there ({low:.0} to {high:.0} %)")
+    let said = |verb: &str, sign: f64, values: [f64; 3]| {
+        // Adding zero takes the sign off a rounded minus zero.
+        let [part, low, high] = values.map(|v| (sign * v).round() + 0.0);
+        format!("{verb} {part} % of the squared error there ({low} to {high} %)")
     };
-    if part < 0.0 {
-        said("held out it adds", [part, high, low].map(|v| -100.0 * v))
+    if low <= 0.0 && high >= 0.0 {
+        format!(
+            "without it all else, fitted again, may follow the motion as well: it {}",
+            said("removes", 100.0, [part, low, high])
+        )
+    } else if part < 0.0 {
+        said("held out it adds", -100.0, [part, high, low])
     } else {
-        said("removes", [part, low, high].map(|v| 100.0 * v))
+        said("removes", 100.0, [part, low, high])
     }
 }
 
@@ -216,8 +224,16 @@ mod tests {
             "removes 90 % of the squared error there (80 to 95 %)"
         );
         assert_eq!(
-            removed(-0.24, [-0.3, 0.1]),
-            "held out it adds 24 % of the squared error there (-10 to 30 %)"
+            removed(-0.24, [-0.3, -0.1]),
+            "held out it adds 24 % of the squared error there (10 to 30 %)"
+        );
+    }
+
+    #[test]
+    fn a_cause_that_others_replace_is_said_to_be_replaced() {
+        assert_eq!(
+            removed(-0.001, [-0.02, 0.01]),
+            "without it all else, fitted again, may follow the motion as well: it removes 0 % of the squared error there (-2 to 1 %)"
         );
     }
 }
