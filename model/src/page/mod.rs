@@ -1,9 +1,11 @@
-//! The HTML page of `eval` (and of `train`'s held-out recording).
+//! The HTML page of `eval` (and of `train`'s held-out recording), and the arm on the pages of `diagnose` and `replay`.
 
+mod arm;
 mod identification;
 mod residuals;
 mod subject;
 
+pub use arm::arm;
 pub use subject::Subject;
 
 use crate::directory::ModelFile;
@@ -133,9 +135,10 @@ fn compensator(file: &ModelFile) -> Section {
     let lines = record.validation.iter().map(|v| {
         let figure = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.4} N·m"));
         let others: Vec<String> = v.companions.iter().map(Input::name).collect();
-        let others = match others.is_empty() {
-            true => String::new(),
-            false => format!(", also sees {}", others.join(" and ")),
+        let others = if others.is_empty() {
+            String::new()
+        } else {
+            format!(", also sees {}", others.join(" and "))
         };
         format!(
             "{}: {}{others}; error on trajectories held back: physics {}, with the unit {}, with ridge regression on the same inputs {}",

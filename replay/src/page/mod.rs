@@ -37,7 +37,7 @@ pub fn page(outcome: &Outcome, heldout: &Replayed, title: &str) -> String {
     }
     page.section(Section::new("What to do next").list(words::next(report, self::title)))
         .section(causes(report))
-        .section(chain::section(outcome, heldout))
+        .section(chain::section(outcome, heldout, self::title))
         .section(curves(outcome, heldout))
         .section(following::following(outcome, heldout))
         .section(ladder(report))
