@@ -73,6 +73,9 @@ pub struct Arguments {
     /// Write the compensator of all joints as one ONNX graph, with its inputs in a JSON file beside it (NAME.json).
     #[arg(long, value_name = "NAME", conflicts_with_all = ["closed_loop", "collision"])]
     pub onnx: Option<PathBuf>,
+    /// With --onnx: a graph for one sample at a time, with what the networks remember as inputs and outputs.
+    #[arg(long, requires = "onnx")]
+    pub stepwise: bool,
     /// Choose how a control loop keeps the compensator's weights, and write a model directory with that choice to --out. Refused
     /// where a joint's torque error on --data, a recording that the model has not seen, grows by more than 1 %.
     #[arg(long, value_enum, value_name = "FORM", requires = "data", requires = "out", conflicts_with_all = ["closed_loop", "collision", "leaderboard"])]

@@ -94,7 +94,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let file = ModelFile::load(model)?;
     if let Some(path) = &arguments.onnx {
-        export(model, &file, path, arguments.quiet)?;
+        export(model, &file, path, arguments)?;
     }
     let Some(data) = &arguments.data else {
         return Ok(());
@@ -135,7 +135,12 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Writes the compensator's graph and, beside it, the description of its inputs.
-fn export(model: &Path, file: &ModelFile, path: &Path, quiet: bool) -> Result<(), Failure> {
+fn export(
+    model: &Path,
+    file: &ModelFile,
+    path: &Path,
+    arguments: &Arguments,
+) -> Result<(), Failure> {
     let stored = residual::load(model, file)?;
     let (Some(compensator), Some(record)) = (&stored, &file.compensator) else {
         return Err(Failure::input(
@@ -143,13 +148,22 @@ fn export(model: &Path, file: &ModelFile, path: &Path, quiet: bool) -> Result<()
             "Train without --physics-only.",
         ));
     };
-    let exported = residual::onnx::export(compensator, record, file)?;
+    let exported = if arguments.stepwise {
+        residual::onnx::export_stepwise(compensator, record, file)?
+    } else if residual::onnx::carries_state(compensator) {
+        return Err(Failure::input(
+            "the compensator carries its state from sample to sample, which no graph over one window holds",
+            "Add --stepwise.",
+        ));
+    } else {
+        residual::onnx::export(compensator, record, file)?
+    };
     let mut beside = path.as_os_str().to_owned();
     beside.push(".json");
     let beside = Path::new(&beside);
-    report::write_atomic(beside, json(&exported.description))?;
+    report::write_atomic(beside, &exported.description)?;
     report::write_atomic(path, &exported.graph)?;
-    if !quiet {
+    if !arguments.quiet {
         let (graph, inputs) = (path.display(), beside.display());
         let joints = file.joints.len();
         say!("{graph}: compensator of {joints} joints; inputs: {inputs}");

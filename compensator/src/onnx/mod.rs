@@ -1,18 +1,22 @@
 //! ONNX export of a trained unit, or of the units of all joints.
 //!
-//! The graph takes `window` (batch × T × columns, SI units, oldest sample first) and gives `torque` (batch, or
-//! batch × joints, N·m). Scaling, network, averaging over members, limit and fade are all inside, so its output
-//! equals the run-time's prediction for finite samples.
+//! The graph over a window takes `window` (batch × T × columns, SI units, oldest sample first) and gives `torque` (batch, or
+//! batch × joints, N·m). The graph of [`export_steps`] takes one sample and what the networks remember. Scaling, network,
+//! averaging over members, limit and fade are all inside, so the output equals the run-time's prediction for finite samples.
 
 mod graph;
 mod network;
+mod state;
+mod step;
 
-pub use graph::{INPUT, OPSET, OUTPUT};
+pub use graph::{CELL, HIDDEN, INPUT, NEXT_CELL, NEXT_HIDDEN, OPSET, OUTPUT, SAMPLE};
+pub use state::hidden_size;
+pub use step::export_steps;
 
 use feedforward::network::{Architecture, Compensator, Memory, Recurrent, Unit};
 
 use crate::Error;
-use graph::Graph;
+use graph::{Graph, Port};
 
 /// Serialised ONNX model (operator set [`OPSET`]) of a unit on windows of its own columns; output (batch).
 ///
@@ -26,7 +30,9 @@ pub fn export(unit: &Unit) -> Result<Vec<u8>, Error> {
     let mut g = Graph::default();
     let samples: Vec<String> = (0..timestep).map(|t| g.step(t)).collect();
     let torque = torque(&mut g, unit, &samples)?;
-    Ok(g.encode(&torque, None, (timestep, unit.columns.len())))
+    g.reshape(&torque, None, OUTPUT);
+    let (input, output) = windowed(timestep, unit.columns.len(), None);
+    Ok(g.encode("unit", &[input], &[output], ""))
 }
 
 /// Serialised ONNX model (operator set [`OPSET`]) of a whole compensator; output (batch × joints).
@@ -63,7 +69,22 @@ pub fn export_all(compensator: &Compensator) -> Result<Vec<u8>, Error> {
         .collect();
     let parts: Vec<&str> = parts.iter().map(String::as_str).collect();
     let torque = g.concatenate(&parts);
-    Ok(g.encode(&torque, Some(joints), (timestep, columns)))
+    g.reshape(&torque, Some(joints), OUTPUT);
+    let (input, output) = windowed(timestep, columns, Some(joints));
+    Ok(g.encode("compensator", &[input], &[output], ""))
+}
+
+/// Input and output of a graph over a window.
+fn windowed(samples: usize, columns: usize, joints: Option<usize>) -> (Port, Port) {
+    let input = Port {
+        name: INPUT,
+        shape: vec![None, Some(samples), Some(columns)],
+    };
+    let output = Port {
+        name: OUTPUT,
+        shape: std::iter::once(None).chain(joints.map(Some)).collect(),
+    };
+    (input, output)
 }
 
 /// Samples of the window that [`export_all`]'s graph takes: the longest of the units that are on.
@@ -88,17 +109,18 @@ fn torque(g: &mut Graph, unit: &Unit, samples: &[String]) -> Result<String, Erro
     let d = unit.columns.len();
     let scaled: Vec<String> = samples.iter().map(|x| scale(g, unit, x)).collect();
     let held: Vec<String> = scaled.iter().map(|x| hold(g, unit, x)).collect();
-    let mut sum: Option<String> = None;
-    for member in &unit.members {
-        let y = network::output(g, &unit.architecture, d, member, &held);
-        sum = Some(match sum {
-            None => y,
-            Some(before) => g.op("Add", &[&before, &y]),
-        });
-    }
-    let (Some(sum), Some(newest)) = (sum, scaled.last()) else {
-        return Err(Error::Unit("no weights".into()));
+    let Some(newest) = scaled.last() else {
+        return Err(Error::Unit("no samples".into()));
     };
+    let outputs = unit.members.iter();
+    let outputs = outputs.map(|m| network::output(g, &unit.architecture, d, m, &held));
+    let outputs = outputs.collect();
+    Ok(bounded(g, unit, outputs, newest))
+}
+
+/// Torque (… × 1) from the normalised outputs of the unit's members, limited and faded; `newest` is the newest scaled sample.
+fn bounded(g: &mut Graph, unit: &Unit, outputs: Vec<String>, newest: &str) -> String {
+    let sum = g.sum(outputs);
     let span = g.constant(
         &[1],
         vec![unit.target.span()[0] / unit.members.len() as f32],
@@ -110,7 +132,7 @@ fn torque(g: &mut Graph, unit: &Unit, samples: &[String]) -> Result<String, Erro
     let weight = fade(g, unit, newest);
     let torque = g.op("Mul", &[&torque, &weight]);
     let on = g.constant(&[1], vec![if unit.enabled { 1.0 } else { 0.0 }]);
-    Ok(g.op("Mul", &[&torque, &on]))
+    g.op("Mul", &[&torque, &on])
 }
 
 /// (x − offset)/span; a column that never varied gives 0.
@@ -165,7 +187,7 @@ fn limit(g: &mut Graph, unit: &Unit, torque: &str) -> String {
     g.op("Mul", &[&size, &sign])
 }
 
-/// Weight of the torque, (batch × 1), which fades to 0 outside the training data; see
+/// Weight of the torque, (… × 1), which fades to 0 outside the training data; see
 /// [`feedforward::network::Bounds::weight`].
 fn fade(g: &mut Graph, unit: &Unit, x: &str) -> String {
     let d = unit.columns.len();
@@ -183,7 +205,13 @@ fn fade(g: &mut Graph, unit: &Unit, x: &str) -> String {
     let excess = g.op("Max", &[&above, &below]);
     let excess = g.op("Mul", &[&excess, &spans]);
     let per_column = smooth(g, unit, &excess);
-    let range = g.reduce("ReduceProd", &per_column);
+    let range = (0..d)
+        .map(|j| g.pick(&per_column, d, &[j]))
+        .collect::<Vec<_>>();
+    let range = range
+        .into_iter()
+        .reduce(|product, next| g.op("Mul", &[&product, &next]))
+        .unwrap_or_default();
 
     let mean = g.constant(&[1, d], b.mean().to_vec());
     let whitener = g.constant(&[d, d], inverse_transposed(b.factor(), d));
@@ -191,7 +219,10 @@ fn fade(g: &mut Graph, unit: &Unit, x: &str) -> String {
     let one = g.constant(&[1], vec![1.0]);
     let centred = g.op("Sub", &[x, &mean]);
     let white = g.op("MatMul", &[&centred, &whitener]);
-    let distance = g.reduce("ReduceL2", &white);
+    let squares = g.op("Mul", &[&white, &white]);
+    let ones = g.constant(&[d, 1], vec![1.0; d]);
+    let distance = g.op("MatMul", &[&squares, &ones]);
+    let distance = g.op("Sqrt", &[&distance]);
     let distance = g.op("Mul", &[&distance, &radius]);
     let excess = g.op("Sub", &[&distance, &one]);
     let ellipsoid = smooth(g, unit, &excess);

@@ -1,31 +1,71 @@
-//! The network itself, unrolled over the window.
+//! Parameters of a network, and the network itself, unrolled over the window.
 
 use feedforward::network::{Architecture, Recurrent, Tensor};
 
 use super::graph::Graph;
 
 /// Parameters of one network of a unit, by tensor.
-struct Member<'a> {
+pub(super) struct Member<'a> {
     /// Layout of the parameters.
     tensors: Vec<Tensor>,
     /// All parameters as one flat vector.
     parameters: &'a [f32],
 }
 
-impl Member<'_> {
+impl<'a> Member<'a> {
+    pub(super) fn new(architecture: &Architecture, inputs: usize, parameters: &'a [f32]) -> Self {
+        Self {
+            tensors: architecture.tensors(inputs).unwrap_or_default(),
+            parameters,
+        }
+    }
+
+    /// Number of tensors.
+    pub(super) fn len(&self) -> usize {
+        self.tensors.len()
+    }
+
+    /// Columns of tensor `i`.
+    pub(super) fn columns(&self, i: usize) -> usize {
+        self.tensors[i].shape[1]
+    }
+
+    /// Values of tensor `i`, row-major.
+    pub(super) fn values(&self, i: usize) -> &'a [f32] {
+        &self.parameters[self.tensors[i].range.clone()]
+    }
+
+    /// Adds tensors `i` and `i` + 1, an LSTM layer of `width` units, as the operator has it: W and R with a row for each gate
+    /// in the order input, output, forget, cell, and biases of both.
+    pub(super) fn layer(&self, g: &mut Graph, i: usize, width: usize) -> [String; 3] {
+        let (weight, bias) = (self.values(i), self.values(i + 1));
+        let inputs = self.tensors[i].shape[0] - width;
+        let rows = [0, 3, 1, 2].map(|gate| gate * width..(gate + 1) * width);
+        let rows = rows.into_iter().flatten();
+        let transposed = |from: std::ops::Range<usize>| -> Vec<f32> {
+            let row = |row: usize| from.clone().map(move |k| weight[k * 4 * width + row]);
+            rows.clone().flat_map(row).collect()
+        };
+        let w = transposed(0..inputs);
+        let r = transposed(inputs..inputs + width);
+        let mut b: Vec<f32> = rows.map(|row| bias[row]).collect();
+        b.resize(8 * width, 0.0);
+        [
+            g.constant(&[1, 4 * width, inputs], w),
+            g.constant(&[1, 4 * width, width], r),
+            g.constant(&[1, 8 * width], b),
+        ]
+    }
+
     /// Adds tensor `i` as a constant; returns its name.
-    fn constant(&self, g: &mut Graph, i: usize) -> String {
-        let t = &self.tensors[i];
-        g.constant(&t.shape, self.parameters[t.range.clone()].to_vec())
+    pub(super) fn constant(&self, g: &mut Graph, i: usize) -> String {
+        g.constant(&self.tensors[i].shape, self.values(i).to_vec())
     }
 
     /// Adds tensor `i`, which has one row, as a column vector; returns its name.
-    fn column(&self, g: &mut Graph, i: usize) -> String {
-        let t = &self.tensors[i];
-        g.constant(
-            &[t.shape[1], t.shape[0]],
-            self.parameters[t.range.clone()].to_vec(),
-        )
+    pub(super) fn column(&self, g: &mut Graph, i: usize) -> String {
+        let [rows, columns] = self.tensors[i].shape;
+        g.constant(&[columns, rows], self.values(i).to_vec())
     }
 }
 
@@ -37,10 +77,7 @@ pub(super) fn output(
     parameters: &[f32],
     samples: &[String],
 ) -> String {
-    let member = Member {
-        tensors: architecture.tensors(inputs).unwrap_or_default(),
-        parameters,
-    };
+    let member = Member::new(architecture, inputs, parameters);
     match architecture {
         Architecture::Recurrent(shape) => recurrent(g, shape, &member, samples),
         Architecture::Perceptron { hidden, .. } => {
