@@ -375,7 +375,7 @@ impl Problem {
             }
             Self::NoTorque { .. } => {
                 "Name it in the [columns] table of --drive (tau = \"…{}\"). Without torque nothing can be identified; `residyn replay` compares \
-                 a motion with its command, and a model that is there predicts the torque (`eval`)."
+                 a motion with its command, and a model that is there predicts the torque (`eval --predict OUT.csv`)."
             }
             Self::Ros1Bag => {
                 "Convert it (pip install rosbags; rosbags-convert --src run.bag --dst run), and give the folder."

@@ -275,8 +275,9 @@ impl Done {
         layouts::files(&self.trace(), trace)
     }
 
-    /// The report as a self-contained page.
-    pub fn page(&self, patch: &Patch) -> String {
+    /// The report as a self-contained page. `patched` are the paths of the patch's files, the description first; the page names
+    /// them. It is empty where none are written.
+    pub fn page(&self, patch: &Patch, patched: &[PathBuf]) -> String {
         let name = |p: &PathBuf| p.display().to_string();
         let data: Vec<String> = self.job.data.iter().map(name).collect();
         let subject = match &self.job.subject {
@@ -294,7 +295,13 @@ impl Done {
         }
         inputs.push(("data".to_owned(), data.join(", ")));
         inputs.push(("held out".to_owned(), held));
-        page::render(&self.outcome, &self.given.model.robot, &inputs, patch)
+        page::render(
+            &self.outcome,
+            &self.given.model.robot,
+            &inputs,
+            patch,
+            patched,
+        )
     }
 
     /// Model directory with the prediction of the ladder's last structural step.

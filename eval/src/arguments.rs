@@ -15,7 +15,7 @@ pub const WIDTH: usize = 100;
 ///
 /// `physics` is the identified model alone; `physics+compensator` adds the learned torque. Motion is filtered forwards and backwards, which
 /// a control loop cannot do: rows and columns marked `[causal]` show the same model on motion that is derived from past positions alone, and
-/// `[reference]` on the planned motion (q_ref). A model that does not fit the recording is said in the first note.
+/// `[reference]` on the planned motion (q_ref). If the model does not fit the recording, the first note says so.
 #[derive(Debug, Parser)]
 #[command(name = "eval", version = program::VERSION)]
 #[command(group(ArgGroup::new("scored").args(["data", "closed_loop"]).multiple(true)))]

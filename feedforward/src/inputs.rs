@@ -72,3 +72,11 @@ pub struct UnitValidation {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub companions: Vec<Input>,
 }
+
+impl UnitValidation {
+    /// Motion of other joints that the unit also sees, in words; none where it sees its own joint's motion alone.
+    pub fn sees(&self) -> Option<String> {
+        let others: Vec<String> = self.companions.iter().map(Input::name).collect();
+        (!others.is_empty()).then(|| others.join(" and "))
+    }
+}

@@ -120,20 +120,22 @@ class Report:
     #: Everything, as `diagnose --json` writes it.
     raw: dict[str, Any] = field(repr=False)
     _diagnosis: _residyn.Diagnosis = field(repr=False, compare=False)
+    #: What `patch` has written, the description first; the page names it.
+    _written: list[Path] = field(default_factory=list, repr=False, compare=False)
 
     def __str__(self) -> str:
         return "\n".join(self._diagnosis.lines())
 
     def to_html(self, path: Union[str, os.PathLike, None] = None) -> str:
         """The page of the report; written to `path` where one is given."""
-        text = self._diagnosis.html()
+        text = self._diagnosis.html(self._written)
         if path is not None:
             Path(path).write_text(text, encoding="utf-8")
         return text
 
     def _repr_html_(self) -> str:
         """In a notebook: the page in a frame of its own."""
-        return framed(self._diagnosis.html())
+        return framed(self._diagnosis.html(self._written))
 
     def plot(self, joints: Optional[Sequence[str]] = None) -> "Figure":
         """Torque over time of the held-out recording: measured, as given, corrected, joint by joint. Needs matplotlib.
@@ -146,7 +148,8 @@ class Report:
 
     def patch(self, path: Union[str, os.PathLike]) -> list[Path]:
         """Writes the corrected description to `path` and beside it what a URDF cannot hold; returns all paths."""
-        return [Path(p) for p in self._diagnosis.patch(Path(path))]
+        self._written[:] = map(Path, self._diagnosis.patch(Path(path)))
+        return list(self._written)
 
     def write_model(self, directory: Union[str, os.PathLike]) -> Model:
         """Writes a model directory that predicts what the last structural step of the ladder does."""

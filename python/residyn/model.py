@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Literal, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Literal, Optional, Sequence, TypedDict, TypeVar, Union, get_type_hints
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from .recording import RecordingLike, paths, several
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from typing_extensions import Unpack
 
 #: Called with joint, network, epoch, most epochs, and the error on held-back groups in N·m where there are some.
 Progress = Callable[[int, int, int, int, Optional[float]], None]
@@ -111,26 +113,60 @@ class Model:
         return repr(self._inner)
 
 
+class Options(TypedDict, total=False):
+    """Keyword options of `identify` and of `train`, both."""
+
+    #: Seed of all random numbers (default: 0).
+    seed: int
+    #: Fit viscous and Coulomb friction, offset and rotor inertia, and select no further terms.
+    basic: bool
+    #: Estimator of the parameters: "wls" (default), "ols", "irls", "iterative".
+    estimator: Estimator
+    #: Weight of a row by its residual, for "irls" and "iterative": "hard" (default), "huber", "tukey".
+    weight: Weight
+    #: Steps in which every link must be a possible body: "off" (default), "last", "every".
+    lmi: Lmi
+    #: Parameters that the ridge pulls towards: "nominal", or an older model directory.
+    prior: Union[str, os.PathLike]
+    #: Strength of the ridge, relative to each column's norm (default: 3e-5, with `prior` 0.1).
+    ridge: float
+    #: Fit only samples in motion.
+    moving_only: bool
+    #: Average the runs of each motion of `data`: trajectories that repeat and, of a number, periods of so many seconds.
+    average: Union[bool, float]
+    #: With `average`: fit the motion by a Fourier series with so many harmonics.
+    harmonics: int
+    #: Smooth the torque of `data` by robust local regression over so many samples.
+    rloess: int
+    #: Cut-off of the motion's low-pass, Hz (default: chosen from the data).
+    cutoff_hz: float
+    #: Rows per second of tables without a column of time.
+    rate: float
+    #: Number of threads; the result does not depend on it (default: all cores).
+    threads: int
+
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def _named(function: Function) -> Function:
+    """Shows `Options` in the signature of a function that takes them, for `help` and for notebooks; None is the default."""
+    own = inspect.signature(function)
+    kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    hints = get_type_hints(Options).items()
+    options = (inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=hint) for name, hint in hints)
+    function.__signature__ = own.replace(parameters=[*kept, *options])
+    return function
+
+
+@_named
 def identify(
     robot: Union[_residyn.Robot, str, os.PathLike],
     data: Union[RecordingLike, Sequence[RecordingLike]],
     out: Union[str, os.PathLike],
     *,
     heldout: Optional[RecordingLike] = None,
-    seed: int = 0,
-    basic: bool = False,
-    estimator: Optional[Estimator] = None,
-    weight: Optional[Weight] = None,
-    lmi: Optional[Lmi] = None,
-    prior: Union[str, os.PathLike, None] = None,
-    ridge: Optional[float] = None,
-    moving_only: bool = False,
-    average: Union[bool, float] = False,
-    harmonics: Optional[int] = None,
-    rloess: Optional[int] = None,
-    cutoff_hz: Optional[float] = None,
-    rate: Optional[float] = None,
-    threads: Optional[int] = None,
+    **options: Unpack[Options],
 ) -> Model:
     """Identifies the physics alone and writes a model directory: `train --physics-only`.
 
@@ -138,27 +174,14 @@ def identify(
     data: recordings to learn from: files, `Recording`s, or frames of pandas or polars
     out: model directory to write
     heldout: recording that is scored and nothing else
-    seed: of all random numbers
-    basic: fit viscous and Coulomb friction, offset and rotor inertia, and select no further terms
-    estimator: of the parameters: "wls" (default), "ols", "irls", "iterative"
-    weight: of a row by its residual, for "irls" and "iterative": "hard" (default), "huber", "tukey"
-    lmi: steps in which every link must be a possible body: "off" (default), "last", "every"
-    prior: parameters that the ridge pulls towards: "nominal", or an older model directory
-    ridge: its strength, relative to each column's norm (default: 3e-5, with `prior` 0.1)
-    moving_only: fit only samples in motion
-    average: average the runs of each motion of `data`: trajectories that repeat and, of a number, periods of so many seconds
-    harmonics: with `average`: fit the motion by a Fourier series with so many harmonics
-    rloess: smooth the torque of `data` by robust local regression over so many samples
-    cutoff_hz: of the motion's low-pass (default: chosen from the data)
-    rate: rows per second of tables without a column of time
-    threads: number of threads; the result does not depend on it (default: all cores)
+    options: see `Options`; an option that is None is left at its default
 
     Raises `InputError` with the words of the command line; Ctrl-C stops it.
     """
-    options = {name: value for name, value in locals().items() if name not in ("robot", "data", "out", "heldout")}
-    return _trained(robot, data, out, heldout, None, {"physics_only": True, **options})
+    return _trained(robot, data, out, heldout, None, {"physics_only": True}, options)
 
 
+@_named
 def train(
     robot: Union[_residyn.Robot, str, os.PathLike],
     data: Union[RecordingLike, Sequence[RecordingLike]],
@@ -172,23 +195,11 @@ def train(
     yardsticks: bool = False,
     resume: bool = False,
     physics_only: bool = False,
-    seed: int = 0,
-    basic: bool = False,
-    estimator: Optional[Estimator] = None,
-    weight: Optional[Weight] = None,
-    lmi: Optional[Lmi] = None,
-    prior: Union[str, os.PathLike, None] = None,
-    ridge: Optional[float] = None,
-    moving_only: bool = False,
-    average: Union[bool, float] = False,
-    harmonics: Optional[int] = None,
-    rloess: Optional[int] = None,
-    cutoff_hz: Optional[float] = None,
-    rate: Optional[float] = None,
-    threads: Optional[int] = None,
+    **options: Unpack[Options],
 ) -> Model:
     """Identifies the physics, trains the compensator on what is left, and writes a model directory: `train`.
 
+    robot, data, out, heldout, options: as in `identify`
     progress: called while networks train
     preset: kind of compensator: "default", or "ucm", the published unit
     members: networks that are averaged for each joint
@@ -197,10 +208,10 @@ def train(
     resume: go on with an interrupted run of the same arguments, where its recordings are files: arrays are written to new ones
     physics_only: train no compensator
 
-    All else is as in `identify`. Ctrl-C stops it; with `resume=True` the same call goes on.
+    Ctrl-C stops it; with `resume=True` the same call goes on.
     """
-    options = {name: value for name, value in locals().items() if name not in ("robot", "data", "out", "heldout", "progress")}
-    return _trained(robot, data, out, heldout, progress, options)
+    own = {"preset": preset, "members": members, "epochs": epochs, "yardsticks": yardsticks, "resume": resume, "physics_only": physics_only}
+    return _trained(robot, data, out, heldout, progress, own, options)
 
 
 def _trained(
@@ -209,9 +220,13 @@ def _trained(
     out: Union[str, os.PathLike],
     heldout: Optional[RecordingLike],
     progress: Optional[Progress],
-    options: dict[str, Any],
+    own: dict[str, Any],
+    options: Options,
 ) -> Model:
-    """Runs `train` with options by its names."""
+    """Runs `train` with its own options and those of `Options`, by their names."""
+    for name in options:
+        if name not in Options.__annotations__:
+            raise TypeError(f"{name!r} is no option: there are {', '.join(Options.__annotations__)}")
     if not isinstance(robot, _residyn.Robot):
         robot = _residyn.Robot(os.fspath(robot))
     arguments = ["--quiet", "--robot", robot.source, "--out", os.fspath(out)]
@@ -221,7 +236,7 @@ def _trained(
         arguments += ["--drive", os.fspath(robot.drive)]
     if robot.gravity is not None:
         arguments.append("--gravity=" + ",".join(map(repr, robot.gravity)))
-    for name, value in options.items():
+    for name, value in {**own, **options}.items():
         flag = "--" + name.replace("_", "-")
         if value is True:
             arguments.append(flag)

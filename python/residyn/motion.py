@@ -61,20 +61,22 @@ class ReplayReport:
     #: Everything, as `replay --json` writes it.
     raw: dict[str, Any] = field(repr=False)
     _replay: _residyn.Replay = field(repr=False, compare=False)
+    #: What `patch` has written, the model first; the page names it.
+    _written: list[Path] = field(default_factory=list, repr=False, compare=False)
 
     def __str__(self) -> str:
         return "\n".join(self._replay.lines())
 
     def to_html(self, path: Union[str, os.PathLike, None] = None) -> str:
         """The page of the report; written to `path` where one is given."""
-        text = self._replay.html()
+        text = self._replay.html(self._written)
         if path is not None:
             Path(path).write_text(text, encoding="utf-8")
         return text
 
     def _repr_html_(self) -> str:
         """In a notebook: the page in a frame of its own."""
-        return framed(self._replay.html())
+        return framed(self._replay.html(self._written))
 
     def plot(self, joints: Optional[Sequence[str]] = None) -> "Figure":
         """Position over time of the held-out recording: command, measured, as given, corrected, joint by joint. Needs matplotlib.
@@ -92,7 +94,8 @@ class ReplayReport:
         """Writes the corrected model to `path`, and beside it a drive file and values for Isaac Lab and Newton; returns all paths, and
         what the model's format cannot hold."""
         written, left_out = self._replay.patch(Path(path))
-        return [Path(p) for p in written], left_out
+        self._written[:] = map(Path, written)
+        return list(self._written), left_out
 
     def motion(self) -> list[dict[str, np.ndarray]]:
         """The held-out trajectories as they were scored: `time`, and of shape (samples, joints) the recorded `q`, the command `q_ref`, and

@@ -81,9 +81,9 @@ impl Diagnosis {
         self.with(|d| words::lines(&d.outcome.diagnosis))
     }
 
-    /// The report as a self-contained page.
-    fn html(&self) -> PyResult<String> {
-        self.with(|d| Ok(d.page(&d.patch().map_err(|e| undiagnosed(&e))?)))
+    /// The report as a self-contained page, which names the files of the corrected description, `patched`.
+    fn html(&self, patched: Vec<PathBuf>) -> PyResult<String> {
+        self.with(|d| Ok(d.page(&d.patch().map_err(|e| undiagnosed(&e))?, &patched)))
     }
 
     /// Writes the corrected description and the files beside it; returns the paths.

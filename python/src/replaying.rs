@@ -54,9 +54,9 @@ impl Replay {
         self.0.lines()
     }
 
-    /// The report as a self-contained page.
-    fn html(&self) -> String {
-        self.0.page()
+    /// The report as a self-contained page, which names the files of the corrected model, `patched`.
+    fn html(&self, patched: Vec<PathBuf>) -> String {
+        self.0.page(&patched)
     }
 
     /// Writes the corrected model and the files beside it; returns the paths, and the changes that the files cannot

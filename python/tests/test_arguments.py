@@ -29,6 +29,8 @@ def test_train_has_the_options_of_the_program(program):
     for function in (residyn.train, residyn.identify, residyn.diagnose, residyn.replay):
         named = keywords(function).values()
         assert all(p.annotation is not p.empty and p.kind is not p.VAR_KEYWORD for p in named), function
+    with pytest.raises(TypeError, match="'cutof_hz' is no option: there are seed, "):
+        residyn.identify("ur5", [], "never", cutof_hz=8)
     # Words that an option takes, as the help lists them.
     for option, of in (("estimator", "Estimator"), ("weight", "Weight"), ("lmi", "Lmi"), ("preset", "Preset")):
         listed = re.search(rf"--{option} <.*?(?=\n      --)", said, re.S)[0]

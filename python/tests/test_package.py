@@ -6,6 +6,7 @@ import importlib.util
 import json
 import threading
 import time
+from html import unescape
 
 import numpy as np
 import pytest
@@ -112,7 +113,10 @@ def test_diagnose_is_the_program(program, case, tmp_path):
     program("diagnose", "--robot", case / "robot.urdf", "--data", files["data"], "--heldout", files["heldout"], "--fast",
             "--json", tmp_path / "report.json", "--html", tmp_path / "page.html", "--patch", tmp_path / "cli.urdf")
     assert report.raw == json.loads((tmp_path / "report.json").read_text())
-    assert report.to_html() == (tmp_path / "page.html").read_text()
+    page = (tmp_path / "page.html").read_text()
+    assert str(tmp_path / "cli.urdf") in unescape(page) and "--patch OUT" in report.to_html()
+    report.patch(tmp_path / "cli.urdf")
+    assert report.to_html() == page
     assert report._repr_html_().startswith("<iframe srcdoc=")
     assert report.verdict in str(report) or str(report)
     assert report.ladder[0].step == "as_given" and len(report.causes) == len(report.raw["causes"])

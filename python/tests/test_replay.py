@@ -4,6 +4,7 @@ import dataclasses
 import importlib.util
 import json
 import subprocess
+from html import unescape
 
 import numpy as np
 import pytest
@@ -40,6 +41,9 @@ def test_replay_is_the_program(program, case, report, tmp_path):
     # The report alone on standard output, words on standard error.
     assert report.raw == json.loads(said.stdout)
     assert f"Written: {tmp_path / 'page.html'}" in said.stderr
+    assert "--patch OUT" in report.to_html()
+    report.patch(tmp_path / "cli.urdf")
+    assert str(tmp_path / "cli.urdf") in unescape(report.to_html())
     assert report.to_html(tmp_path / "own.html") == (tmp_path / "page.html").read_text() == (tmp_path / "own.html").read_text()
     page = report.to_html()
     assert "What to do next" in page and 'class="jt jg"' in page and f"{report.causes[0].joints[0]}: " in page

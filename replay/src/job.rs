@@ -77,6 +77,8 @@ pub struct Done {
     pub heldout: Replayed,
     /// Outcome of the diagnosis: its report and the corrected simulators.
     pub outcome: Outcome,
+    /// What was read, in words: robot and recordings, each with its part in the diagnosis.
+    pub inputs: Vec<(String, String)>,
 }
 
 impl Job {
@@ -134,6 +136,13 @@ pub fn replay_since(
     mut stage: impl FnMut(&str),
 ) -> Result<Done, ReplayError> {
     let [fitted, past, measured] = [data, before, std::slice::from_ref(heldout)];
+    let mut inputs = vec![("robot".to_owned(), subject.setup.robot.name().to_owned())];
+    for (part, recordings) in [("before", past), ("data", fitted), ("held out", measured)] {
+        let named = recordings
+            .iter()
+            .map(|r| (part.to_owned(), r.source.clone()));
+        inputs.extend(named);
+    }
     let mut data = subject.prepared(fitted)?.ok_or(ReplayError::NoData)?;
     let mut heldout = subject.prepared(measured)?.ok_or(ReplayError::NoData)?;
     let mut before = subject.prepared(past)?;
@@ -156,6 +165,7 @@ pub fn replay_since(
         subject,
         heldout,
         outcome,
+        inputs,
     })
 }
 
@@ -175,10 +185,15 @@ impl Done {
         words::lines(&self.outcome.report, title)
     }
 
-    /// Report as a self-contained HTML page.
-    pub fn page(&self) -> String {
-        let name = self.subject.setup.robot.name();
-        page::page(&self.outcome, &self.heldout, &format!("Replay of {name}"))
+    /// Report as a self-contained HTML page. `patched` are the paths of the corrected model's files, the model first; the page
+    /// names them. It is empty where none are written.
+    pub fn page(&self, patched: &[PathBuf]) -> String {
+        let title = format!("Replay of {}", self.subject.setup.robot.name());
+        let files = page::Files {
+            inputs: &self.inputs,
+            patched,
+        };
+        page::page(&self.outcome, &self.heldout, &files, &title)
     }
 
     /// Corrected model as text, to be written to `out`, with the drive files beside it. Nothing is written here.

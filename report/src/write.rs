@@ -42,10 +42,12 @@ pub fn prepare<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), O
         if path.is_dir() {
             return Err(failed(ErrorKind::IsADirectory.into()));
         }
+        std::fs::metadata(folder(path)).map_err(failed)?;
+        // An error here names the temporary file, which is nobody's: its kind says enough.
         tempfile::Builder::new()
             .prefix(".report-")
             .tempfile_in(folder(path))
-            .map_err(failed)?;
+            .map_err(|e| failed(e.kind().into()))?;
     }
     Ok(())
 }
@@ -57,6 +59,19 @@ pub fn say_written<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) {
             crate::say!("Written: {}", path.display());
         }
     }
+}
+
+/// Files that belong together, in words: the path of the first, and the names of those beside it. None of no files.
+pub fn together(paths: &[PathBuf]) -> Option<String> {
+    let (first, beside) = paths.split_first()?;
+    let names = beside.iter().filter_map(|path| path.file_name());
+    let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
+    let first = first.display();
+    Some(if names.is_empty() {
+        first.to_string()
+    } else {
+        format!("{first}, with {} beside it", names.join(", "))
+    })
 }
 
 fn folder(path: &Path) -> &Path {
@@ -111,6 +126,18 @@ mod tests {
     }
 
     #[test]
+    fn files_that_belong_together_are_named_by_the_first() {
+        let paths = ["out/arm.urdf", "out/arm.mjcf.xml", "out/arm.values.tsv"].map(PathBuf::from);
+        let said = together(&paths).unwrap();
+        assert_eq!(
+            said,
+            "out/arm.urdf, with arm.mjcf.xml, arm.values.tsv beside it"
+        );
+        assert_eq!(together(&paths[..1]).unwrap(), "out/arm.urdf");
+        assert_eq!(together(&[]), None);
+    }
+
+    #[test]
     fn a_folder_that_is_not_there_is_found_before_work_begins() {
         let directory = tempfile::tempdir().unwrap();
         let there = directory.path().join("page.html");
@@ -119,6 +146,7 @@ mod tests {
         let missing = directory.path().join("no/page.html");
         let error = prepare([&there, &missing]).unwrap_err();
         assert_eq!(error.0.path, missing);
+        assert!(!error.to_string().contains(".report-"), "{error}");
         assert!(prepare([&directory.path().to_owned()]).is_err());
     }
 

@@ -42,6 +42,7 @@ pub fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
         if flag.swap(true, Ordering::SeqCst) {
             std::process::exit(130);
         }
+        report::warn!("Stopping at the next step; Ctrl-C again ends at once.");
     })
     .map_err(|e| Failure::other(e.to_string()))?;
     Ok(cancel)

@@ -5,7 +5,6 @@ use crate::output::{PAGE, published};
 use crate::taught::Outside;
 use datasets::check::{CheckReport, Complaint, Finding, Severity};
 use datasets::metrics::{Row, Scope};
-use feedforward::inputs::Input;
 use model::directory::metrics::{Member, Metrics};
 use model::directory::{ModelFile, json};
 use model::physics_fit::Fit;
@@ -152,14 +151,13 @@ pub fn first(
 /// Lines on joints whose residual follows another joint's motion, where the unit that sees it is on.
 fn followed(file: &ModelFile) -> impl Iterator<Item = String> {
     let units = file.compensator.iter().flat_map(|c| &c.validation);
-    let on = units.filter(|u| u.enabled && !u.companions.is_empty());
-    on.map(|unit| {
-        let others: Vec<String> = unit.companions.iter().map(Input::name).collect();
-        format!(
-            "{}: the torque that the physics leaves follows {}, as that of a cable or a hose may; its learned unit sees that, too",
-            unit.joint,
-            others.join(" and ")
-        )
+    let on = units.filter(|u| u.enabled);
+    on.filter_map(|unit| {
+        let others = unit.sees()?;
+        Some(format!(
+            "{}: the torque that the physics leaves follows {others}, as that of a cable or a hose may; its learned unit sees that, too",
+            unit.joint
+        ))
     })
 }
 

@@ -11,7 +11,6 @@ pub use subject::Subject;
 use crate::directory::ModelFile;
 use crate::tables;
 use datasets::metrics::Scope;
-use feedforward::inputs::Input;
 use report::figure::{Ink, Panel, Plot};
 use report::{KeyFigure, Page, Section, Tone};
 
@@ -134,12 +133,8 @@ fn compensator(file: &ModelFile) -> Section {
     };
     let lines = record.validation.iter().map(|v| {
         let figure = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.4} N·m"));
-        let others: Vec<String> = v.companions.iter().map(Input::name).collect();
-        let others = if others.is_empty() {
-            String::new()
-        } else {
-            format!(", also sees {}", others.join(" and "))
-        };
+        let others = v.sees();
+        let others = others.map_or(String::new(), |o| format!(", also sees {o}"));
         format!(
             "{}: {}{others}; error on trajectories held back: physics {}, with the unit {}, with ridge regression on the same inputs {}",
             v.joint, if v.enabled { "on" } else { "off, it did not help" },

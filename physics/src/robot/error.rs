@@ -6,7 +6,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum RobotError {
     /// File of a description that cannot be read.
-    #[error("{}: cannot be read: {source}", path.display())]
+    #[error("{}: cannot be read: {source}; check the path and its permissions", path.display())]
     Read {
         /// Path of the file that was asked for.
         path: PathBuf,

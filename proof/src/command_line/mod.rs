@@ -189,12 +189,15 @@ fn files(
     if let Some(path) = &arguments.json {
         files.push((path.clone(), done.json()));
     }
+    let patched = match (&arguments.patch, patch) {
+        (Some(path), Some(patch)) => patch.files(path)?,
+        _ => Vec::new(),
+    };
     if let (Some(path), Some(patch)) = (&arguments.html, patch) {
-        files.push((path.clone(), done.page(patch)));
+        let named: Vec<PathBuf> = patched.iter().map(|(path, _)| path.clone()).collect();
+        files.push((path.clone(), done.page(patch, &named)));
     }
-    if let (Some(path), Some(patch)) = (&arguments.patch, patch) {
-        files.extend(patch.files(path)?);
-    }
+    files.extend(patched);
     if let Some(path) = &arguments.trace {
         files.extend(done.layouts(path));
     }

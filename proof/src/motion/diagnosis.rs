@@ -95,15 +95,18 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
     if let Some(path) = &arguments.json {
         files.push((path.clone(), done.json()));
     }
-    if let Some(path) = &arguments.html {
-        files.push((path.clone(), done.page()));
-    }
     let mut left_out = Vec::new();
+    let mut patched = Vec::new();
     if let Some(path) = &arguments.patch {
         let patch = done.patch(path)?;
         left_out = patch.left_out;
-        files.extend(patch.files);
+        patched = patch.files;
     }
+    if let Some(path) = &arguments.html {
+        let named: Vec<PathBuf> = patched.iter().map(|(path, _)| path.clone()).collect();
+        files.push((path.clone(), done.page(&named)));
+    }
+    files.extend(patched);
     for (path, text) in &files {
         report::write_atomic(path, text)?;
     }

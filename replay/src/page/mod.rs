@@ -11,18 +11,30 @@ use crate::tracks::Replayed;
 use crate::words;
 use report::figure::{Ink, Panel, Plot, Waterfall};
 use report::{Cell, Column, Figure, KeyFigure, Page, Section, Table, Tone};
+use std::path::PathBuf;
 
 /// Length of the piece of motion that is shown, s.
 const SHOWN: f64 = 8.0;
 
+/// What a page names beside the diagnosis: what was read, and what is written.
+pub struct Files<'a> {
+    /// Robot and recordings, each with its part in the diagnosis.
+    pub inputs: &'a [(String, String)],
+    /// Paths of the corrected model's files, the model first; empty where none are written.
+    pub patched: &'a [PathBuf],
+}
+
 /// Page of a diagnosis as self-contained HTML text.
-pub fn page(outcome: &Outcome, heldout: &Replayed, title: &str) -> String {
+pub fn page(outcome: &Outcome, heldout: &Replayed, files: &Files, title: &str) -> String {
     let report = &outcome.report;
     let tone = match report.verdict {
         "no_gap" | "explained" => Tone::Good,
         _ => Tone::Neutral,
     };
-    let mut page = Page::new(title).subtitle(words::verdict(report));
+    let verdict = KeyFigure::new("verdict", report.verdict.replace('_', " ")).tone(tone);
+    let mut page = Page::new(title)
+        .subtitle(words::verdict(report))
+        .key_figure(verdict);
     for (label, step) in [
         ("as given", report.ladder.first()),
         ("corrected", report.corrected()),
@@ -32,19 +44,33 @@ pub fn page(outcome: &Outcome, heldout: &Replayed, title: &str) -> String {
                 format!("unexplained, {label}"),
                 format!("{:.0} %", 100.0 * part),
             );
-            page = page.key_figure(figure.note("mean over joints, held out").tone(tone));
+            page = page.key_figure(figure.note("mean over joints, held out"));
         }
     }
-    page.section(Section::new("What to do next").list(words::next(report, self::title)))
-        .section(causes(report))
-        .section(chain::section(outcome, heldout, self::title))
-        .section(curves(outcome, heldout))
-        .section(following::following(outcome, heldout))
-        .section(ladder(report))
-        .section(places(report))
-        .section(drives(report))
-        .section(limits(report))
-        .render()
+    if let Some(first) = report.causes.iter().find(|c| c.confirmed) {
+        let on = format!("on {}", first.joints.join(", "));
+        page = page.key_figure(KeyFigure::new("biggest cause", self::title(first.effect)).note(on));
+    }
+    page.section(Section::new("What to do next").list(words::next(
+        report,
+        files.patched,
+        self::title,
+    )))
+    .section(causes(report))
+    .section(chain::section(outcome, heldout, self::title))
+    .section(curves(outcome, heldout))
+    .section(following::following(outcome, heldout))
+    .section(ladder(report))
+    .section(places(report))
+    .section(drives(report, files.patched))
+    .section(limits(report))
+    .section(Section::new("Provenance").pairs(files.inputs.to_vec()))
+    .footer(format!(
+        "Made by residyn {} (schema {}).",
+        env!("CARGO_PKG_VERSION"),
+        report.schema
+    ))
+    .render()
 }
 
 /// Words for the effect with this name in the report; empty for other names.
@@ -86,7 +112,7 @@ fn causes(report: &Report) -> Section {
                 Cell::significant(v.value, 3),
                 v.std
                     .map_or_else(Cell::missing, |s| Cell::significant(s, 2)),
-                Cell::text(v.unit),
+                Cell::text(words::unit(v.unit)),
             ]);
         }
     }
@@ -242,7 +268,7 @@ fn places(report: &Report) -> Section {
             Cell::text(p.coordinate.replace('_', " ")),
             Cell::significant(p.range[0], 3),
             Cell::significant(p.range[1], 3),
-            Cell::text(p.unit),
+            Cell::text(words::unit(p.unit)),
             Cell::number(p.share_of_gap, 2),
             Cell::number(p.share_of_time, 2),
         ]);
@@ -250,8 +276,8 @@ fn places(report: &Report) -> Section {
     Section::new("Where the gap lies").table(table)
 }
 
-/// Section with the drives and joints of the corrected simulator.
-fn drives(report: &Report) -> Section {
+/// Section with the drives and joints of the corrected simulator, and the paths `patched` of its files.
+fn drives(report: &Report, patched: &[PathBuf]) -> Section {
     let mut table = Table::new([
         Column::text("joint"),
         Column::number("kp"),
@@ -275,18 +301,22 @@ fn drives(report: &Report) -> Section {
     }
     let note = "What a model file cannot hold, such as friction by torque, is part of this simulator. The file is fitted without it, \
                 so that some of its values differ.";
-    Section::new("The corrected simulator")
+    let section = Section::new("The corrected simulator")
         .paragraph(note)
-        .table(table)
+        .table(table);
+    let written = report::write::together(patched);
+    let written = written.map(|w| format!("The corrected model is {w}."));
+    written.into_iter().fold(section, Section::paragraph)
 }
 
 /// Section with the quantities that the motion does not determine, and the notes.
 fn limits(report: &Report) -> Section {
     let section = Section::new("What this motion cannot show");
-    let section = if report.not_identifiable.is_empty() {
+    let open = words::not_known(&report.not_identifiable);
+    let section = if open.is_empty() {
         section.paragraph("Nothing that was fitted is left open.")
     } else {
-        section.list(report.not_identifiable.iter().map(|n| n.reason.clone()))
+        section.list(open)
     };
     if report.notes.is_empty() {
         section

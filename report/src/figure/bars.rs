@@ -163,7 +163,14 @@ impl Bars {
             }
             edge = edge.max(high);
         }
-        let text = format!("{value:.*}", self.decimals).replace('-', "−");
+        // Adding zero takes the sign off a rounded minus zero.
+        let scale = 10_f64.powi(self.decimals as i32);
+        let text = format!(
+            "{:.*}",
+            self.decimals,
+            (value * scale).round() / scale + 0.0
+        );
+        let text = text.replace('-', "−");
         svg.text("t", (edge + 5.0, y + 11.0), Anchor::Start, &text);
     }
 }

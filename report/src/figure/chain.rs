@@ -1,7 +1,7 @@
 //! An arm from the side, with the joints that a cause lies on.
 
 use super::Figure;
-use super::draw::{TITLE, fit};
+use super::draw::{TITLE, wrap};
 use super::svg::{Anchor, Svg};
 
 /// Radius of a joint, and least distance between two of them, px.
@@ -74,39 +74,55 @@ impl Chain {
 
     /// Figure of the arm as SVG; the same bytes for the same arm and causes.
     pub fn draw(&self, caption: impl Into<String>) -> Figure {
-        let rows = self.joints.len() + usize::from(!self.whole.is_empty());
+        let points = self.points(HEIGHT.max(ROW * self.joints.len() as f64));
+        // The list stands beside the arm, however far that reaches.
+        let list = points.iter().map(|p| p.0).fold(LIST, f64::max) + 60.0;
+        let beside = list + 18.0;
+        let (named, rows) = self.list(WIDTH - beside);
         let height = TITLE + HEIGHT.max(ROW * rows as f64) + 16.0;
         let mut svg = Svg::new(WIDTH, height, &self.title);
         svg.text("ft", (2.0, 15.0), Anchor::Start, &self.title);
-        let points = self.points(height - TITLE - 16.0);
-        // The list stands beside the arm, however far that reaches.
-        let list = points.iter().map(|p| p.0).fold(LIST, f64::max) + 60.0;
         if let Some(&(x, y)) = points.first() {
             svg.line("a", (x - 26.0, y + 1.0), (x + 26.0, y + 1.0));
             svg.polylines("p km", std::slice::from_ref(&points));
         }
-        for (k, joint) in self.joints.iter().enumerate() {
-            let row = (list, TITLE + ROW * (k as f64 + 0.5));
-            joint.draw(&mut svg, k, points[k + 1]);
-            joint.draw(&mut svg, k, row);
-            let (class, text) = if joint.causes.is_empty() {
-                ("t", joint.name.clone())
+        let middle = |row: usize| TITLE + ROW * (row as f64 + 0.5);
+        let mut row = 0;
+        for (k, (joint, lines)) in
+            std::iter::zip(self.joints.iter().map(Some).chain([None]), &named).enumerate()
+        {
+            let class = if joint.is_some_and(|j| j.causes.is_empty()) {
+                "t"
             } else {
-                ("v", format!("{}: {}", joint.name, joint.causes.join(", ")))
+                "v"
             };
-            let at = (row.0 + 18.0, row.1 + 4.0);
-            svg.text(class, at, Anchor::Start, &fit(&text, WIDTH - at.0));
-        }
-        if !self.whole.is_empty() {
-            let at = (list - RADIUS, TITLE + ROW * (rows as f64 - 0.5) + 4.0);
-            let text = format!("The whole arm: {}", self.whole.join(", "));
-            svg.text("v", at, Anchor::Start, &fit(&text, WIDTH - at.0));
+            if let Some(joint) = joint {
+                joint.draw(&mut svg, k, points[k + 1]);
+                joint.draw(&mut svg, k, (list, middle(row)));
+            }
+            for line in lines {
+                svg.text(class, (beside, middle(row) + 4.0), Anchor::Start, line);
+                row += 1;
+            }
         }
         Figure {
             svg: svg.finish(),
             caption: caption.into(),
             curves: None,
         }
+    }
+
+    /// Lines of the list beside the arm, for each joint and at the end for the whole arm, none wider than `width`; and their number.
+    fn list(&self, width: f64) -> (Vec<Vec<String>>, usize) {
+        let text = |name: &str, causes: &[String]| match causes {
+            [] => name.to_owned(),
+            causes => format!("{name}: {}", causes.join(", ")),
+        };
+        let joints = self.joints.iter().map(|j| text(&j.name, &j.causes));
+        let whole = (!self.whole.is_empty()).then(|| text("The whole arm", &self.whole));
+        let list: Vec<_> = joints.chain(whole).map(|t| wrap(&t, width)).collect();
+        let rows = list.iter().map(Vec::len).sum();
+        (list, rows)
     }
 
     /// Places of the base and of every joint in a drawing of this height. A joint that would cover an earlier one stands
@@ -225,6 +241,10 @@ mod tests {
         let whole = arm(1.0).cause("base tilt", &all).draw("caption");
         assert!(whole.svg.contains("The whole arm: base tilt"));
         assert_eq!(whole.svg.matches("jg").count(), 2);
+        // A long list goes on in further lines.
+        let long = (0..40).fold(arm(1.0), |arm, k| arm.cause(format!("cause {k}"), &all));
+        let drawn = long.draw("caption").svg;
+        assert!(drawn.contains("cause 39") && !drawn.contains('…'));
         // Nothing to draw, and an arm without extent.
         Chain::new("none", [0.0; 3]).draw("");
         let point = Chain::new("point", [f64::NAN; 3]).joint("a", [0.0; 3], false);

@@ -97,6 +97,21 @@ pub(super) fn widest<'a>(texts: impl Iterator<Item = &'a str>) -> f64 {
     texts.map(text_width).fold(0.0, f64::max)
 }
 
+/// A text in lines of at most a width, broken after commas; a longer part is cut.
+pub(super) fn wrap(text: &str, width: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for part in text.split_inclusive(", ") {
+        match lines.last_mut() {
+            Some(line) if text_width(&format!("{line}{part}")) <= width => line.push_str(part),
+            _ => lines.push(part.to_owned()),
+        }
+    }
+    lines
+        .iter()
+        .map(|line| fit(line.trim_end(), width))
+        .collect()
+}
+
 /// A text cut to a width, with an ellipsis where something is left out.
 pub(super) fn fit(text: &str, width: f64) -> String {
     if text_width(text) <= width {

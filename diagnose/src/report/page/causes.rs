@@ -7,6 +7,7 @@ use crate::report::words::{corrected, name, told};
 use crate::schema::{Cause, Diagnosis};
 use report::figure::{Bars, Ink};
 use report::{Cell, Column, Section, Table};
+use std::path::PathBuf;
 
 /// Number of candidates listed beside the causes.
 const TRIED: usize = 12;
@@ -18,11 +19,11 @@ pub(super) fn section(outcome: &Outcome) -> Section {
         let none = "None is listed: no effect of the catalogue explains anything beyond noise and small changes of parameters.";
         return Section::new("Causes").paragraph(none).details(tried(d));
     }
-    let title = |c: &Cause| {
-        let on = if c.joints.len() == d.joints.len() {
-            "all joints".to_owned()
-        } else {
-            c.joints.join(", ")
+    let title = |c: &Cause, most: usize| {
+        let on = match c.joints.len() {
+            n if n == d.joints.len() => "all joints".to_owned(),
+            n if n > most => format!("{n} joints"),
+            _ => c.joints.join(", "),
         };
         let driver = c
             .driver
@@ -30,10 +31,12 @@ pub(super) fn section(outcome: &Outcome) -> Section {
             .map_or(String::new(), |x| format!(" ← {x}"));
         format!("{} · {on}{driver}", name(c.effect))
     };
+    // Beside a bar there is room for the name of one joint.
+    let short = |c: &Cause| title(c, 1);
     let shares = Bars::new(
         "Share of the gap by cause",
         "share",
-        d.causes.iter().map(title),
+        d.causes.iter().map(short),
     )
     .series(
         "share of what all causes remove",
@@ -46,7 +49,7 @@ pub(super) fn section(outcome: &Outcome) -> Section {
     let closed = Bars::new(
         "Part of its joints' error that each cause removes",
         "part closed",
-        d.causes.iter().map(title),
+        d.causes.iter().map(short),
     )
     .series_with_intervals(
         "with 90 % interval",
@@ -110,7 +113,8 @@ pub(super) fn section(outcome: &Outcome) -> Section {
         .heading("Sizes");
     let sizes = d.causes.iter().filter(|c| !c.parameters.is_empty());
     for cause in sizes {
-        section = section.details(Section::new(title(cause)).table(parameters(&cause.parameters)));
+        section = section
+            .details(Section::new(title(cause, usize::MAX)).table(parameters(&cause.parameters)));
     }
     section.details(tried(d))
 }
@@ -153,8 +157,8 @@ fn tried(d: &Diagnosis) -> Section {
     Section::new("Evidence: what was tried in their place").table(table)
 }
 
-/// Section with the numbers to set in common simulators.
-pub(super) fn simulators(d: &Diagnosis, patch: &Patch) -> Section {
+/// Section with the numbers to set in common simulators. `patched` are the paths of the patch's files.
+pub(super) fn simulators(d: &Diagnosis, patch: &Patch, patched: &[PathBuf]) -> Section {
     let head = [
         Column::text("joint"),
         Column::text("set"),
@@ -197,11 +201,16 @@ pub(super) fn simulators(d: &Diagnosis, patch: &Patch) -> Section {
                 .map(|c| format!("{}: {}.", name(c.effect), told(c))),
         )
         .table(table.caption("Friction and rotor inertia with all causes in place"));
-    match &patch.mjcf {
-        ForMujoco::Whole(_) => section
-            .paragraph("--patch writes these values into the whole model, and a table beside it."),
-        ForMujoco::Snippet(text) => section
-            .details(Section::new("MuJoCo: elements to merge by name").code(text))
-            .paragraph("--patch writes these values: a URDF, the MuJoCo elements, a table, and a drive file for rotor inertias."),
-    }
+    let (section, files) = match &patch.mjcf {
+        ForMujoco::Whole(_) => (
+            section,
+            "--patch writes these values into the whole model, and a table beside it.",
+        ),
+        ForMujoco::Snippet(text) => (
+            section.details(Section::new("MuJoCo: elements to merge by name").code(text)),
+            "--patch writes these values: a URDF, the MuJoCo elements, a table, and a drive file for rotor inertias.",
+        ),
+    };
+    let written = report::write::together(patched);
+    section.paragraph(written.map_or(files.to_owned(), |w| format!("These values stand in {w}.")))
 }

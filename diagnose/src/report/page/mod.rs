@@ -14,14 +14,16 @@ use physics::robot::Robot;
 use report::figure::{Bars, Ink, Waterfall};
 use report::{Cell, Column, KeyFigure, Page, Section, Table, Tone};
 use std::cmp::Ordering;
+use std::path::PathBuf;
 
 /// Renders the page. `robot` is the model as given; `inputs` names it and the recordings; `patch` holds the changes of the model by
-/// the causes.
+/// the causes, and `patched` are the paths of its files, the description first.
 pub fn render(
     outcome: &Outcome,
     robot: &Robot,
     inputs: &[(String, String)],
     patch: &Patch,
+    patched: &[PathBuf],
 ) -> String {
     let d = &outcome.diagnosis;
     let [title, subtitle] = match d.compared {
@@ -58,12 +60,12 @@ pub fn render(
                 .note(format!("on {}", first.joints.join(", "))),
         );
     }
-    page.section(words(d, patch))
+    page.section(words(d, patch, patched))
         .section(chain::section(outcome, robot))
         .section(ladder(outcome))
         .section(torque::section(outcome))
         .section(causes::section(outcome))
-        .section(causes::simulators(d, patch))
+        .section(causes::simulators(d, patch, patched))
         .section(motion(d))
         .section(maps::places(d))
         .section(maps::maps(outcome))
@@ -100,7 +102,7 @@ fn tone(d: &Diagnosis) -> Tone {
 }
 
 /// Section with the verdict and its consequences, in the words of the terminal.
-fn words(d: &Diagnosis, patch: &Patch) -> Section {
+fn words(d: &Diagnosis, patch: &Patch, patched: &[PathBuf]) -> Section {
     let findings = worst_findings(d);
     // Lines that belong together in the terminal are one item here.
     let mut said: Vec<String> = Vec::new();
@@ -128,7 +130,7 @@ fn words(d: &Diagnosis, patch: &Patch) -> Section {
     }
     section = section
         .heading("What to do next")
-        .list(next(d, patch.code.is_some()))
+        .list(next(d, patch.code.is_some(), patched))
         .heading("What was found");
     section.list(said.iter().skip(1).cloned()).paragraph(
         "NRMSE: root mean squared torque error over the standard deviation of the measured torque, joint by joint; the mean is \

@@ -3,10 +3,12 @@
 use super::cause::{name, told};
 use super::{corrected, experiment_designed, plain, worst_findings};
 use crate::schema::{Diagnosis, Verdict};
+use std::path::PathBuf;
 
 /// What to do next, most urgent first: mend the recording, set the biggest cause's values, load the corrected model, record
-/// the motion that tells ambiguous names apart. `code` says whether a patch has code for what the model cannot hold.
-pub fn next(d: &Diagnosis, code: bool) -> Vec<String> {
+/// the motion that tells ambiguous names apart. `code` says whether a patch has code for what the model cannot hold, and `patched` are
+/// the paths of its files, the description first; empty where none are written.
+pub fn next(d: &Diagnosis, code: bool, patched: &[PathBuf]) -> Vec<String> {
     let mut out = Vec::new();
     if !worst_findings(d).is_empty() {
         out.push(
@@ -26,9 +28,15 @@ pub fn next(d: &Diagnosis, code: bool) -> Vec<String> {
         } else {
             ""
         };
-        out.push(format!(
-            "Or load a corrected model with every change: --patch OUT writes it{beside} (in Python report.patch)."
-        ));
+        out.push(match patched.first() {
+            Some(path) => format!(
+                "Or load the corrected model with every change, {}{beside}.",
+                path.display()
+            ),
+            None => format!(
+                "Or load a corrected model with every change: --patch OUT writes it{beside} (in Python report.patch)."
+            ),
+        });
     }
     match (
         &d.next_experiment,

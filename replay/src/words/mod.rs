@@ -1,7 +1,15 @@
 //! Report in words, for a terminal and for the page.
 
-use crate::schema::{Cause, REPEATABILITY, Report, Step, Value};
+mod not_known;
+
+pub use not_known::not_known;
+
+use crate::schema::{Cause, Place, REPEATABILITY, Report, Step, Value};
 use crate::score::Figures;
+use std::path::PathBuf;
+
+/// How a corrected model is written, for a report without one.
+const OFFERED: &str = "--patch OUT writes it (in Python report.patch)";
 
 /// Verdict of the report in one sentence, with the error as given and as corrected.
 pub fn verdict(report: &Report) -> String {
@@ -91,13 +99,21 @@ pub fn value(value: &Value) -> String {
     let std = value
         .std
         .map_or(String::new(), |s| format!(" ± {}", number(s)));
+    let unit = match unit(value.unit) {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    };
     format!(
-        "{place}{}: {} → {}{std} {}",
+        "{place}{}: {} → {}{std}{unit}",
         value.name,
         number(value.given),
-        number(value.value),
-        value.unit
+        number(value.value)
     )
+}
+
+/// Unit of a value as it is said: none of a pure number.
+pub fn unit(unit: &str) -> &str {
+    if unit == "1" { "" } else { unit }
 }
 
 /// Number with three significant digits.
@@ -114,14 +130,20 @@ pub fn number(v: f64) -> String {
 }
 
 /// What to do next, most urgent first: set the biggest cause's values, load the corrected model, tell ambiguous names apart. `words`
-/// turns an effect's name into plain words.
-pub fn next(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<String> {
+/// turns an effect's name into plain words; `patched` are the paths of the corrected model's files, the model first.
+pub fn next(
+    report: &Report,
+    patched: &[PathBuf],
+    words: impl Fn(&str) -> &'static str,
+) -> Vec<String> {
+    let load = patched.first().map(|path| path.display().to_string());
     let Some(first) = report.causes.iter().find(|c| c.confirmed) else {
         return vec![match report.verdict {
             "no_gap" => "Nothing has to change.".to_owned(),
-            "explained" if report.causes.is_empty() => "No effect is missing. Load the corrected model, whose values differ within their tolerance: --patch OUT writes it \
-                (in Python report.patch)."
-                .to_owned(),
+            "explained" if report.causes.is_empty() => format!(
+                "No effect is missing. Load the corrected model, whose values differ within their tolerance: {}.",
+                load.unwrap_or(OFFERED.to_owned())
+            ),
             "cannot_tell" => {
                 let reason = report.reason.as_deref().unwrap_or("this motion says too little");
                 format!("Record again: {}.", reason.trim_end_matches('.'))
@@ -143,8 +165,9 @@ pub fn next(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<String
         )
     });
     out.push(format!(
-        "Or load a corrected model with every change: --patch OUT writes it (in Python report.patch).{left} \
-         python -m residyn.verify --replay replays the commands on it in MuJoCo."
+        "Or load the corrected model with every change that it can hold: {}.{left} python -m residyn.verify --replay replays the \
+         commands on it in MuJoCo.",
+        load.unwrap_or(OFFERED.to_owned())
     ));
     let confirmed = report.causes.iter().filter(|c| c.confirmed);
     for cause in confirmed.filter(|c| !c.ambiguous_with.is_empty()).take(1) {
@@ -166,6 +189,21 @@ pub fn ceiling(figures: &Figures) -> Option<String> {
         "Fitted to the held-out recording itself, the same effects leave {:.1} %.",
         100.0 * part
     ))
+}
+
+/// Region of motion in words.
+fn region(place: &Place) -> String {
+    let [low, high] = place.range;
+    match place.coordinate {
+        "direction" if high < 0.0 => "moving backwards".to_owned(),
+        "direction" => "moving forwards".to_owned(),
+        coordinate => format!(
+            "at {coordinate} {} to {} {}",
+            number(low),
+            number(high),
+            place.unit
+        ),
+    }
 }
 
 /// Report as lines for a terminal. `words` turns an effect's name into plain words.
@@ -197,19 +235,15 @@ pub fn lines(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<Strin
     }
     for place in report.places.iter().take(3) {
         out.push(format!(
-            "Where: {} at {} {} to {} {}: {:.0} % of the gap in {:.0} % of the time.",
+            "Where: {} {}: {:.0} % of the whole arm's gap in {:.0} % of the time.",
             place.joint,
-            place.coordinate,
-            number(place.range[0]),
-            number(place.range[1]),
-            place.unit,
+            region(place),
             100.0 * place.share_of_gap,
             100.0 * place.share_of_time
         ));
     }
-    for item in &report.not_identifiable {
-        out.push(format!("Not known: {}.", item.reason));
-    }
+    let open = not_known(&report.not_identifiable);
+    out.extend(open.iter().map(|what| format!("Not known: {what}.")));
     out
 }
 
