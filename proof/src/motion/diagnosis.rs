@@ -44,7 +44,8 @@ pub struct Arguments {
     /// with a drive file beside it.
     #[arg(long)]
     patch: Option<PathBuf>,
-    /// Measure the causes' shares by shorter fits (each leaves one cause out): faster, and rougher.
+    /// Measure the causes' shares by shorter fits, each without one cause: faster. A share is too large where other values would take
+    /// that cause's place.
     #[arg(long)]
     fast: bool,
     /// Fit the same effects to the held-out recording itself, too: no values of them leave much less there.

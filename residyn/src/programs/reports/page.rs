@@ -2,7 +2,7 @@
 
 use super::comparison::Comparison;
 use super::read::Cause;
-use super::words::{self, NAMES, title};
+use super::words::{self, NAMES, short};
 use report::figure::{Bars, Ink};
 use report::{KeyFigure, Page, Section};
 
@@ -75,7 +75,7 @@ fn causes(c: &Comparison) -> Section {
     let bars = Bars::new(
         "Part of its joints' error that each cause removes",
         "part closed, with 90 % interval",
-        c.causes.iter().map(title),
+        c.causes.iter().map(short),
     )
     .series_with_intervals(NAMES[0], Ink::Series(0), &series(0))
     .series_with_intervals(NAMES[1], Ink::Series(1), &series(1));

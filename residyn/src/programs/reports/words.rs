@@ -31,8 +31,16 @@ pub fn plain(name: &str) -> String {
 }
 
 /// Effect and joints of a pair.
-pub fn title(pair: &Pair) -> String {
+fn title(pair: &Pair) -> String {
     place(pair.either(), &pair.joints().join(", "))
+}
+
+/// The same, short enough to stand beside a bar.
+pub fn short(pair: &Pair) -> String {
+    match pair.joints().len() {
+        0..=1 => title(pair),
+        n => place(pair.either(), &format!("{n} joints")),
+    }
 }
 
 fn place(cause: &Cause, joints: &str) -> String {
