@@ -109,14 +109,14 @@ fn both_ways<const N: usize>(sections: &[Section], x: [&[f64]; N]) -> [Vec<f64>;
     let pad = padding(sections).min(n - 1);
     let before = (1..=pad).rev().map(|k| x.map(|x| 2.0 * x[0] - x[k]));
     let after = (1..=pad).map(|k| x.map(|x| 2.0 * x[n - 1] - x[n - 1 - k]));
-    let mut y: Vec<[f64; N]> = before
-        .chain((0..n).map(|i| x.map(|x| x[i])))
-        .chain(after)
-        .collect();
+    let mut y: Vec<[f64; N]> = Vec::with_capacity(n + 2 * pad);
+    y.extend(before);
+    y.extend((0..n).map(|i| x.map(|x| x[i])));
+    y.extend(after);
     run(sections, &mut y);
     y.reverse();
     run(sections, &mut y);
-    std::array::from_fn(|k| y.iter().rev().skip(pad).take(n).map(|y| y[k]).collect())
+    std::array::from_fn(|k| y[pad..pad + n].iter().rev().map(|y| y[k]).collect())
 }
 
 /// One causal pass in place. All sections take a sample before the next one comes: so they run in parallel,

@@ -21,7 +21,6 @@ use ndarray::Array2;
 use options::SLOW_HZ;
 use signal::spline::Spline;
 use signal::{Motion, filter, resample, smoother, sos};
-use std::borrow::Cow;
 use std::ops::Range;
 
 /// Largest number of points of the fine grid per sample: that of a recording of 0.1 Hz at 100 Hz.
@@ -173,26 +172,6 @@ pub fn prepare(recording: &Recording, options: &PrepareOptions) -> Result<Prepar
 }
 
 impl Prepared {
-    /// Passes a column on the fine grid through the low-pass of the recorded torque, trajectory by trajectory;
-    /// without such a filter the column comes back as it is.
-    ///
-    /// # Panics
-    /// If the column has not one entry per row of `fine`.
-    fn torque_filtered<'a>(&self, column: &'a [f64]) -> Cow<'a, [f64]> {
-        assert_eq!(
-            column.len(),
-            self.fine.len(),
-            "one entry per row of the fine grid"
-        );
-        if self.torque_sections.is_empty() {
-            return Cow::Borrowed(column);
-        }
-        let parts = self.fine.segments.iter().zip(&self.torque_sections);
-        parts
-            .flat_map(|(s, sections)| filter::filtfilt(sections, &column[s.clone()]))
-            .collect()
-    }
-
     /// Rows of the fine grid that [`Self::to_samples`] needs for every `every`-th sample; all of them where a low-pass runs
     /// over them.
     pub fn rows_for(&self, every: usize) -> Vec<bool> {
@@ -217,10 +196,37 @@ impl Prepared {
     /// # Panics
     /// If the column has not one entry per row of `fine`.
     pub fn to_samples(&self, column: &[f64]) -> Vec<f64> {
-        let filtered = self.torque_filtered(column);
-        let mut out = Vec::with_capacity(self.at_samples.len());
-        for (f, between) in self.fine.segments.iter().zip(&self.between) {
-            out.extend(between.of(&filtered[f.clone()]));
+        let all = 0..self.fine.segments.len();
+        self.to_samples_each(all, &[column]).swap_remove(0)
+    }
+
+    /// Takes several columns on some trajectories of the fine grid to the recorded stamps, each as [`Self::to_samples`]
+    /// does; the low-pass filters them in one call.
+    ///
+    /// # Panics
+    /// If a column has not one entry per row of these trajectories.
+    pub fn to_samples_each(&self, trajectories: Range<usize>, columns: &[&[f64]]) -> Vec<Vec<f64>> {
+        let fine = &self.fine.segments[trajectories.clone()];
+        let start = fine.first().map_or(0, |s| s.start);
+        let rows = fine.last().map_or(0, |s| s.end) - start;
+        let whole = columns.iter().all(|c| c.len() == rows);
+        assert!(whole, "one entry per row of the fine grid");
+        let mut out = vec![Vec::new(); columns.len()];
+        for k in trajectories {
+            let own = &self.fine.segments[k];
+            let parts = columns
+                .iter()
+                .map(|c| &c[own.start - start..own.end - start]);
+            let parts: Vec<&[f64]> = parts.collect();
+            let between = &self.between[k];
+            let Some(sections) = self.torque_sections.get(k) else {
+                let each = out.iter_mut().zip(parts);
+                each.for_each(|(out, part)| out.extend(between.of(part)));
+                continue;
+            };
+            for (out, part) in out.iter_mut().zip(filter::filtfilt_each(sections, &parts)) {
+                out.extend(between.of(&part));
+            }
         }
         out
     }

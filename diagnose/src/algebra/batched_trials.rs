@@ -7,6 +7,7 @@
 
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::fit::{Fit, Part, Variable};
+use crate::algebra::gram::Symmetric;
 use crate::algebra::trial::Trial;
 use ndarray::{Array1, Array2, ArrayView1, Axis, Zip};
 use rayon::prelude::*;
@@ -196,8 +197,7 @@ fn addition(fit: &Fit, which: FitPart, set: &[Variable]) -> Addition {
         let total = &grams.total[j].xx;
         let out = which.left_out.map(|f| &grams.apart(f, j).xx);
         for &(a, row) in &rows[j] {
-            let (all, less) = (total.row(row), out.map(|x| x.row(row)));
-            let product = |p: usize| w * (all[p] - less.map_or(0.0, |x| x[p]));
+            let product = |p: usize| w * (total[[row, p]] - out.map_or(0.0, |x| x[[row, p]]));
             for &(i, p) in &fit.places[j] {
                 cross[[a, i]] += product(p);
             }
@@ -218,17 +218,16 @@ fn addition(fit: &Fit, which: FitPart, set: &[Variable]) -> Addition {
         let places = &fit.places[j];
         let variables: Vec<usize> = places.iter().map(|p| p.0).collect();
         let old = moved.select(Axis(1), &variables);
-        let mut q = old.dot(&which.part.products[j]).dot(&old.t());
+        let mut q = old.dot(&which.part.own[j].xx).dot(&old.t());
         for &(b, p) in &rows[j] {
-            let row = xx.row(p);
-            let mixed: Array1<f64> = places.iter().map(|&(_, r)| row[r]).collect();
+            let mixed: Array1<f64> = places.iter().map(|&(_, r)| xx[[p, r]]).collect();
             let one = old.dot(&mixed);
             for (a, x) in one.iter().enumerate() {
                 q[[a, b]] -= x;
                 q[[b, a]] -= x;
             }
             for &(a, r) in &rows[j] {
-                q[[a, b]] += row[r];
+                q[[a, b]] += xx[[p, r]];
             }
         }
         q
@@ -270,7 +269,7 @@ fn state(fit: &Fit, which: FitPart, y: &RightHands) -> State {
         let variables: Vec<usize> = fit.places[j].iter().map(|p| p.0).collect();
         let columns: Vec<usize> = fit.places[j].iter().map(|p| p.1).collect();
         let x = beta.select(Axis(0), &variables);
-        let left = |xx: &Array2<f64>, xy: &Array2<f64>| xy - &xx.select(Axis(1), &columns).dot(&x);
+        let left = |xx: &Symmetric, xy: &Array2<f64>| xy - &xx.columns(&columns).dot(&x);
         let squares = |yy: Array1<f64>, xy: &Array2<f64>, rest: &Array2<f64>| {
             let sum = xy.select(Axis(0), &columns) + rest.select(Axis(0), &columns);
             (yy - (&x * &sum).sum_axis(Axis(0))).mapv(|e| e.max(0.0))

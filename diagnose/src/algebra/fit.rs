@@ -5,7 +5,7 @@
 
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::folds::jackknife;
-use crate::algebra::gram::Grams;
+use crate::algebra::gram::{Grams, JointGram, Symmetric};
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 
@@ -42,12 +42,12 @@ impl Variable {
 pub(super) struct Part {
     pub(super) factor: Cholesky,
     pub(super) beta: Array1<f64>,
-    /// Xᵀ(y − Xβ) on the scored rows, over all active columns, by joint.
+    /// Sums of products of the fitted columns on the scored rows, by joint, in the order of [`Fit::places`].
+    pub(super) own: Vec<Own>,
+    /// Xᵀ(y − Xβ) of these columns on the scored rows, by joint.
     pub(super) correlation: Vec<Array1<f64>>,
     /// ‖y − Xβ‖² on the scored rows, by joint.
     pub(super) error: Vec<f64>,
-    /// XᵀX of the fitted columns on the scored rows, by joint, in the order of [`Fit::places`].
-    pub(super) products: Vec<Array2<f64>>,
 }
 
 /// A fit on all folds and one with each fold left out.
@@ -67,20 +67,43 @@ pub struct Fit<'a> {
 impl<'a> Fit<'a> {
     /// Fit of `variables`. `weights` holds one number per joint, 1/(N·m)².
     pub fn new(grams: &'a Grams, variables: Vec<Variable>, weights: Vec<f64>) -> Self {
-        let places = places(grams, &variables);
-        let all = part(grams, &variables, &weights, &places, None);
-        let folds: Vec<usize> = (0..grams.folds.len()).collect();
-        let parts = folds
-            .into_par_iter()
-            .map(|f| part(grams, &variables, &weights, &places, Some(f)))
-            .collect();
+        let few = Few::new(grams, &variables);
+        Self::of_few(grams, few, variables, weights)
+    }
+
+    /// Fit whose weights follow from its own leave-one-fold-out squared error by joint, (N·m)², in so many `passes`. They
+    /// start from the squares of the targets.
+    pub fn weighted(
+        grams: &'a Grams,
+        variables: Vec<Variable>,
+        weights: impl Fn(&[f64]) -> Vec<f64>,
+        passes: usize,
+    ) -> Self {
+        let few = Few::new(grams, &variables);
+        let mut error: Vec<f64> = grams.total.iter().map(|g| g.yy).collect();
+        for _ in 0..passes {
+            error = few.left_out_error(&variables, &weights(&error));
+        }
+        Self::of_few(grams, few, variables, weights(&error))
+    }
+
+    fn of_few(grams: &'a Grams, few: Few, variables: Vec<Variable>, weights: Vec<f64>) -> Self {
+        let all = part(
+            few.solved(&variables, &weights, None),
+            few.total.clone(),
+            &few,
+        );
+        let parts = (0..few.folds.len()).into_par_iter().map(|f| {
+            let solution = few.solved(&variables, &weights, Some(f));
+            part(solution, few.folds[f].clone(), &few)
+        });
         Self {
             grams,
+            parts: parts.collect(),
             variables,
             weights,
-            parts,
             all,
-            places,
+            places: few.places,
         }
     }
 
@@ -134,12 +157,12 @@ impl<'a> Fit<'a> {
     }
 
     /// XᵀX of one joint in one fold.
-    pub fn products(&self, fold: usize, joint: usize) -> &Array2<f64> {
+    pub fn products(&self, fold: usize, joint: usize) -> &Symmetric {
         &self.grams.folds[fold][joint].xx
     }
 
     /// XᵀX of one joint on the rows that are not fitted where a fold is scored.
-    pub fn products_apart(&self, fold: usize, joint: usize) -> &Array2<f64> {
+    pub fn products_apart(&self, fold: usize, joint: usize) -> &Symmetric {
         &self.grams.apart(fold, joint).xx
     }
 
@@ -152,15 +175,9 @@ impl<'a> Fit<'a> {
 
     /// Squared error of the coefficients `beta` on all rows, by joint, (N·m)².
     pub fn error_of(&self, beta: &Array1<f64>) -> Vec<f64> {
-        let each = self.grams.total.iter().zip(&self.places);
-        each.map(|(gram, place)| {
-            let mut x = Array1::<f64>::zeros(gram.xy.len());
-            for &(i, p) in place {
-                x[p] += beta[i];
-            }
-            gram.yy - 2.0 * x.dot(&gram.xy) + x.dot(&fitted(&gram.xx, &x))
-        })
-        .collect()
+        let each = self.all.own.iter().zip(&self.places);
+        each.map(|(own, place)| error_of(own, &picked(place, beta)).1)
+            .collect()
     }
 
     /// Squared error of each fold left out, by joint, (N·m)².
@@ -186,107 +203,141 @@ pub(super) fn penalty(variables: &[Variable], beta: &Array1<f64>) -> f64 {
     variables.iter().zip(beta).map(|(v, b)| v.penalty(*b)).sum()
 }
 
-/// XᵀXβ for coefficients that are mostly zero: a joint has many columns, and few are fitted.
-fn fitted(xx: &Array2<f64>, x: &Array1<f64>) -> Array1<f64> {
-    let mut out = Array1::zeros(x.len());
-    for (row, &b) in xx.rows().into_iter().zip(x).filter(|(_, b)| **b != 0.0) {
-        out.scaled_add(b, &row);
+/// Coefficients of the fitted columns that touch a joint.
+fn picked(places: &[(usize, usize)], beta: &Array1<f64>) -> Array1<f64> {
+    places.iter().map(|&(i, _)| beta[i]).collect()
+}
+
+/// Xᵀ(y − Xβ) and ‖y − Xβ‖² of a joint's rows with the coefficients `beta` of its columns.
+fn error_of(own: &Own, beta: &Array1<f64>) -> (Array1<f64>, f64) {
+    let rest = &own.xy - &own.xx.dot(beta);
+    let error = own.yy - beta.dot(&own.xy) - beta.dot(&rest);
+    (rest, error)
+}
+
+/// Sums of products of the fitted columns on one joint's rows.
+#[derive(Clone, Debug)]
+pub(super) struct Own {
+    /// Matrix XᵀX, shape (fitted columns, fitted columns).
+    pub(super) xx: Array2<f64>,
+    xy: Array1<f64>,
+    yy: f64,
+}
+
+impl Own {
+    fn new(gram: &JointGram, places: &[(usize, usize)]) -> Self {
+        let mut xx = Array2::zeros((places.len(), places.len()));
+        for (mut row, &(_, p)) in xx.rows_mut().into_iter().zip(places) {
+            let each = row.iter_mut().zip(places);
+            each.for_each(|(x, &(_, r))| *x = gram.xx[[p, r]]);
+        }
+        Self {
+            xx,
+            xy: places.iter().map(|&(_, p)| gram.xy[p]).collect(),
+            yy: gram.yy,
+        }
     }
-    out
 }
 
-/// Places of the variables among the active columns of each joint: (variable, place).
-fn places(grams: &Grams, variables: &[Variable]) -> Vec<Vec<(usize, usize)>> {
-    let of = |j: usize| {
-        let place = |(i, v): (usize, &Variable)| Some((i, grams.layout.position(j, v.column)?));
-        variables.iter().enumerate().filter_map(place).collect()
-    };
-    (0..grams.dof()).map(of).collect()
+/// Sums of products of a fit's columns alone. They are picked once for all its parts.
+struct Few {
+    /// As [`Fit::places`].
+    places: Vec<Vec<(usize, usize)>>,
+    /// Sums of products by fold and joint, in the order of `places`.
+    folds: Vec<Vec<Own>>,
+    /// Those of the rows that are not fitted where a fold is scored; none where they are those of the fold.
+    apart: Option<Vec<Vec<Own>>>,
+    /// Sums over folds, by joint.
+    total: Vec<Own>,
 }
 
-/// Leave-one-fold-out squared error by joint, (N·m)²: that of [`Fit::error`], without the other results of a fit.
-pub fn left_out_error(grams: &Grams, variables: &[Variable], weights: &[f64]) -> Vec<f64> {
-    let places = places(grams, variables);
-    let of = |f: usize| -> Vec<f64> {
-        let (_, beta) = solved(grams, variables, weights, &places, Some(f));
-        let each = grams.folds[f].iter().zip(&places);
-        each.map(|(gram, place)| {
-            let mut error = gram.yy;
-            for &(i, p) in place {
-                let row = gram.xx.row(p);
-                let fitted: f64 = place.iter().map(|&(k, r)| row[r] * beta[k]).sum();
-                error += beta[i] * (fitted - 2.0 * gram.xy[p]);
+impl Few {
+    fn new(grams: &Grams, variables: &[Variable]) -> Self {
+        let of = |j: usize| {
+            let place = |(i, v): (usize, &Variable)| Some((i, grams.layout.position(j, v.column)?));
+            variables.iter().enumerate().filter_map(place).collect()
+        };
+        let places: Vec<Vec<(usize, usize)>> = (0..grams.dof()).map(of).collect();
+        let pick = |all: &Vec<JointGram>| -> Vec<Own> {
+            let each = all.iter().zip(&places);
+            each.map(|(gram, places)| Own::new(gram, places)).collect()
+        };
+        Self {
+            folds: grams.folds.par_iter().map(pick).collect(),
+            apart: grams
+                .apart
+                .as_ref()
+                .map(|a| a.par_iter().map(pick).collect()),
+            total: pick(&grams.total),
+            places,
+        }
+    }
+
+    /// Leave-one-fold-out squared error by joint, (N·m)²: that of [`Fit::error`], without the other results of a fit.
+    fn left_out_error(&self, variables: &[Variable], weights: &[f64]) -> Vec<f64> {
+        let of = |f: usize| -> Vec<f64> {
+            let (_, beta) = self.solved(variables, weights, Some(f));
+            let each = self.folds[f].iter().zip(&self.places);
+            each.map(|(own, place)| error_of(own, &picked(place, &beta)).1.max(0.0))
+                .collect()
+        };
+        let folds: Vec<Vec<f64>> = (0..self.folds.len()).into_par_iter().map(of).collect();
+        (0..self.total.len())
+            .map(|j| folds.iter().map(|e| e[j]).sum())
+            .collect()
+    }
+
+    /// Cholesky factor of the normal equations, and the coefficients.
+    fn solved(
+        &self,
+        variables: &[Variable],
+        weights: &[f64],
+        left_out: Option<usize>,
+    ) -> (Cholesky, Array1<f64>) {
+        let m = variables.len();
+        let mut a = Array2::<f64>::zeros((m, m));
+        let mut b = Array1::<f64>::zeros(m);
+        let apart = self.apart.as_ref().unwrap_or(&self.folds);
+        for (j, (&w, place)) in weights.iter().zip(&self.places).enumerate() {
+            let (total, out) = (&self.total[j], left_out.map(|f| &apart[f][j]));
+            for (p, &(i, _)) in place.iter().enumerate() {
+                let mut sums = a.row_mut(i);
+                // Places are in the order of the variables: only the lower triangle is needed.
+                let known = place.iter().zip(total.xx.row(p)).take(p + 1);
+                match out {
+                    Some(out) => {
+                        for ((&(k, _), all), less) in known.zip(out.xx.row(p)) {
+                            sums[k] += w * (all - less);
+                        }
+                    }
+                    None => known.for_each(|(&(k, _), all)| sums[k] += w * all),
+                }
+                b[i] += w * (total.xy[p] - out.map_or(0.0, |g| g.xy[p]));
             }
-            error.max(0.0)
+        }
+        for (i, v) in variables.iter().enumerate() {
+            a[[i, i]] += v.precision;
+            b[i] += v.precision * v.mean;
+        }
+        let factor = Cholesky::new(&a);
+        let beta = factor.solve(b.view());
+        (factor, beta)
+    }
+}
+
+fn part((factor, beta): (Cholesky, Array1<f64>), own: Vec<Own>, few: &Few) -> Part {
+    let each = own.iter().zip(&few.places);
+    let (correlation, error) = each
+        .map(|(own, place)| {
+            let (rest, error) = error_of(own, &picked(place, &beta));
+            (rest, error.max(0.0))
         })
-        .collect()
-    };
-    let folds: Vec<Vec<f64>> = (0..grams.folds.len()).into_par_iter().map(of).collect();
-    (0..grams.dof())
-        .map(|j| folds.iter().map(|e| e[j]).sum())
-        .collect()
-}
-
-/// Cholesky factor of the normal equations, and the coefficients.
-fn solved(
-    grams: &Grams,
-    variables: &[Variable],
-    weights: &[f64],
-    places: &[Vec<(usize, usize)>],
-    left_out: Option<usize>,
-) -> (Cholesky, Array1<f64>) {
-    let m = variables.len();
-    let mut a = Array2::<f64>::zeros((m, m));
-    let mut b = Array1::<f64>::zeros(m);
-    for (j, (&w, place)) in weights.iter().zip(places).enumerate() {
-        let total = &grams.total[j];
-        let out = left_out.map(|f| grams.apart(f, j));
-        for &(i, p) in place {
-            for &(k, r) in place.iter().take_while(|&&(k, _)| k <= i) {
-                a[[i, k]] += w * (total.xx[[p, r]] - out.map_or(0.0, |g| g.xx[[p, r]]));
-            }
-            b[i] += w * (total.xy[p] - out.map_or(0.0, |g| g.xy[p]));
-        }
-    }
-    for (i, v) in variables.iter().enumerate() {
-        a[[i, i]] += v.precision;
-        b[i] += v.precision * v.mean;
-    }
-    let factor = Cholesky::new(&a);
-    let beta = factor.solve(b.view());
-    (factor, beta)
-}
-
-fn part(
-    grams: &Grams,
-    variables: &[Variable],
-    weights: &[f64],
-    places: &[Vec<(usize, usize)>],
-    left_out: Option<usize>,
-) -> Part {
-    let (factor, beta) = solved(grams, variables, weights, places, left_out);
-    let scored = left_out.map_or(&grams.total, |f| &grams.folds[f]);
-    let mut correlation = Vec::with_capacity(grams.dof());
-    let mut error = Vec::with_capacity(grams.dof());
-    let mut products = Vec::with_capacity(grams.dof());
-    for (gram, place) in scored.iter().zip(places) {
-        let mut x = Array1::<f64>::zeros(gram.xy.len());
-        for &(i, p) in place {
-            x[p] += beta[i];
-        }
-        let fitted = fitted(&gram.xx, &x);
-        error.push((gram.yy - 2.0 * x.dot(&gram.xy) + x.dot(&fitted)).max(0.0));
-        correlation.push(&gram.xy - &fitted);
-        products.push(Array2::from_shape_fn(
-            (place.len(), place.len()),
-            |(a, b)| gram.xx[[place[a].1, place[b].1]],
-        ));
-    }
+        .unzip();
     Part {
         factor,
         beta,
+        own,
         correlation,
         error,
-        products,
     }
 }

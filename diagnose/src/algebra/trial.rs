@@ -7,7 +7,7 @@
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::fit::{Fit, Part, Variable, penalty};
 use crate::algebra::gram::JointGram;
-use ndarray::{Array1, Array2, ArrayView1, Axis};
+use ndarray::{Array1, Array2, Axis};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -31,9 +31,6 @@ pub enum Scored {
     Fitted,
 }
 
-/// Number of columns that are prepared in one block.
-const TOGETHER: usize = 256;
-
 /// Columns that may be added to a fit.
 pub struct SharedColumns<'f, 'a> {
     fit: &'f Fit<'a>,
@@ -47,12 +44,6 @@ pub struct SharedColumns<'f, 'a> {
 struct Common<'f> {
     part: &'f Part,
     left_out: Option<usize>,
-    /// Blocks of [`TOGETHER`] columns.
-    blocks: Vec<Block>,
-}
-
-/// Prepared columns of one block.
-struct Block {
     /// CᵀWX, shape (columns, fitted).
     cross: Array2<f64>,
     /// V, shape (columns, fitted).
@@ -62,9 +53,12 @@ struct Block {
 }
 
 /// Terms of the change of ‖y − Xβ‖² on one joint's scored rows by added columns. With coefficients γ the change
-/// is γᵀQγ + 2sᵀγ, Q = (C − XVᵀ)ᵀ(C − XVᵀ) and s = −(C − XVᵀ)ᵀ(y − Xβ).
+/// is γᵀQγ + 2sᵀγ, Q = (C − XVᵀ)ᵀ(C − XVᵀ) and s = −(C − XVᵀ)ᵀ(y − Xβ). Tables have shape (columns, fitted columns
+/// that touch the joint).
 struct OnJoint {
-    /// Columns of V that touch the joint, shape (columns, places).
+    /// CᵀX.
+    mixed: Array2<f64>,
+    /// Columns of V that touch the joint.
     moved: Array2<f64>,
     /// Product of these columns of V with XᵀX.
     product: Array2<f64>,
@@ -72,14 +66,6 @@ struct OnJoint {
     square: Vec<f64>,
     /// Slope s of each added column.
     slope: Vec<f64>,
-}
-
-/// A column of a trial: its number, and its place among the prepared ones.
-#[derive(Clone, Copy)]
-struct Place<'b> {
-    column: usize,
-    block: &'b Block,
-    row: usize,
 }
 
 impl<'f, 'a> SharedColumns<'f, 'a> {
@@ -92,13 +78,14 @@ impl<'f, 'a> SharedColumns<'f, 'a> {
             Scored::LeftOut => &fit.parts[..],
             Scored::Fitted => &[],
         };
-        let all = || Common::new(fit, &fit.all, None, &columns, left_out.is_empty());
-        let folds = || {
-            let folds = left_out.par_iter().enumerate();
-            let each = folds.map(|(f, part)| Common::new(fit, part, Some(f), &columns, true));
-            each.collect()
-        };
-        let (all, scored) = rayon::join(all, folds);
+        let joints = 0..fit.grams.dof();
+        let all: Vec<Array2<f64>> = joints
+            .map(|j| mixed(fit, &fit.grams.total[j], j, &columns))
+            .collect();
+        let folds = left_out.par_iter().enumerate();
+        let each = folds.map(|(f, part)| Common::new(fit, part, Some(f), &columns, &all, true));
+        let scored: Vec<Common> = each.collect();
+        let all = Common::new(fit, &fit.all, None, &columns, &all, scored.is_empty());
         let row = columns.into_iter().enumerate().map(|(r, c)| (c, r));
         Self {
             fit,
@@ -114,8 +101,7 @@ impl<'f, 'a> SharedColumns<'f, 'a> {
         let gamma = self.gamma(&self.all, added, &rows);
         let mut beta = self.fit.all.beta.clone();
         for (&r, &g) in rows.iter().zip(&gamma) {
-            let (block, i) = self.all.place(r);
-            beta.scaled_add(-g, &block.moved.row(i));
+            beta.scaled_add(-g, &self.all.moved.row(r));
         }
         let mut error = vec![0.0; self.fit.grams.dof()];
         let mut score = |common: &Common, gamma: &Array1<f64>| {
@@ -171,12 +157,10 @@ impl<'f, 'a> SharedColumns<'f, 'a> {
             }
             own[[a, a]] += v.precision;
             right[a] += v.precision * v.mean;
-            let (block, i) = common.place(rows[a]);
-            let cross = block.cross.row(i);
+            let cross = common.cross.row(rows[a]);
             right[a] -= cross.dot(&common.part.beta);
             for (b, &r) in rows.iter().enumerate().take(a + 1) {
-                let (block, i) = common.place(r);
-                own[[a, b]] -= cross.dot(&block.moved.row(i));
+                own[[a, b]] -= cross.dot(&common.moved.row(r));
             }
         }
         if k == 1 && own[[0, 0]] > f64::MIN_POSITIVE {
@@ -194,153 +178,134 @@ impl<'f, 'a> SharedColumns<'f, 'a> {
         rows: &[usize],
         gamma: &Array1<f64>,
     ) -> f64 {
-        let places = added.iter().zip(rows).map(|(v, &r)| {
-            let (block, row) = common.place(r);
-            Place {
-                column: v.column,
-                block,
-                row,
-            }
-        });
-        let places = places.zip(gamma);
+        let own = &common.scored[joint];
+        let xx = &common.gram(self.fit, joint).xx;
+        let each: Vec<(usize, Option<usize>, f64)> = added
+            .iter()
+            .zip(rows)
+            .zip(gamma)
+            .map(|((v, &r), &g)| (r, self.fit.grams.layout.position(joint, v.column), g))
+            .collect();
         let mut change = 0.0;
-        for (a, (one, &g)) in places.clone().enumerate() {
-            let own = &one.block.scored[joint];
-            change += g * (g * own.square[one.row] + 2.0 * own.slope[one.row]);
-            for (other, &h) in places.clone().take(a) {
-                change += 2.0 * g * h * self.between(common, joint, one, other);
+        for (a, &(r, p, g)) in each.iter().enumerate() {
+            change += g * (g * own.square[r] + 2.0 * own.slope[r]);
+            for &(s, q, h) in &each[..a] {
+                let both = p.zip(q).map_or(0.0, |(p, q)| xx[[p, q]]);
+                change += 2.0 * g * h * (own.between(r, s) + both);
             }
         }
         common.part.error[joint] + change
     }
-
-    /// Element of Q for two columns.
-    fn between(&self, common: &Common, joint: usize, one: Place, other: Place) -> f64 {
-        let grams = self.fit.grams;
-        let gram = &common.left_out.map_or(&grams.total, |f| &grams.folds[f])[joint];
-        let place = |of: Place| grams.layout.position(joint, of.column);
-        let [a, b] = [one, other].map(|of| &of.block.scored[joint]);
-        let onto = |p: Option<usize>, moved: ArrayView1<f64>| {
-            p.map_or(0.0, |p| onto(gram, p, &self.fit.places[joint], moved))
-        };
-        let (p, q) = (place(one), place(other));
-        let both = p.zip(q).map_or(0.0, |(p, q)| gram.xx[[p, q]]);
-        a.moved.row(one.row).dot(&b.product.row(other.row))
-            - onto(p, b.moved.row(other.row))
-            - onto(q, a.moved.row(one.row))
-            + both
-    }
 }
 
-/// Product of the column at place `p` of a joint with a change `moved` of the fitted columns that touch it.
-fn onto(gram: &JointGram, p: usize, places: &[(usize, usize)], moved: ArrayView1<f64>) -> f64 {
-    let row = gram.xx.row(p);
-    places
-        .iter()
-        .zip(moved)
-        .map(|(&(_, r), m)| row[r] * m)
-        .sum()
+/// Products CᵀX of columns with the fitted ones that touch a joint, shape (columns, fitted).
+fn mixed(fit: &Fit, gram: &JointGram, joint: usize, columns: &[usize]) -> Array2<f64> {
+    let places = &fit.places[joint];
+    let mut out = Array2::zeros((columns.len(), places.len()));
+    let touching = columns.iter().enumerate();
+    let touching =
+        touching.filter_map(|(c, &column)| Some((c, fit.grams.layout.position(joint, column)?)));
+    for (c, r) in touching {
+        let own = out.row_mut(c).into_iter().zip(places);
+        own.for_each(|(x, &(_, p))| *x = gram.xx[[r, p]]);
+    }
+    out
 }
 
 impl<'f> Common<'f> {
-    /// Prepares the columns; with `scored` also the error terms of the part's rows.
+    /// Prepares the columns; with `scored` also the error terms of the part's rows. `all` has the products of the
+    /// columns with the fitted ones on all rows, by joint.
     fn new(
         fit: &Fit,
         part: &'f Part,
         left_out: Option<usize>,
         columns: &[usize],
+        all: &[Array2<f64>],
         scored: bool,
     ) -> Self {
-        let blocks = columns.par_chunks(TOGETHER);
-        let blocks = blocks.map(|some| Block::new(fit, part, left_out, some, scored));
-        Self {
-            part,
-            left_out,
-            blocks: blocks.collect(),
-        }
-    }
-
-    /// Block of a prepared column, and its row there.
-    fn place(&self, row: usize) -> (&Block, usize) {
-        (&self.blocks[row / TOGETHER], row % TOGETHER)
-    }
-}
-
-impl Block {
-    fn new(
-        fit: &Fit,
-        part: &Part,
-        left_out: Option<usize>,
-        columns: &[usize],
-        scored: bool,
-    ) -> Self {
-        let grams = fit.grams;
         let mut cross = Array2::<f64>::zeros((columns.len(), fit.variables.len()));
-        for (mut cross, &column) in cross.rows_mut().into_iter().zip(columns) {
-            for (j, &w) in fit.weights.iter().enumerate() {
-                let Some(row) = grams.layout.position(j, column) else {
-                    continue;
-                };
-                let total = grams.total[j].xx.row(row);
-                let out = left_out.map(|f| grams.apart(f, j).xx.row(row));
-                for &(i, p) in &fit.places[j] {
-                    cross[i] += w * (total[p] - out.map_or(0.0, |x| x[p]));
+        let mut own = Vec::with_capacity(all.len());
+        for (j, (&w, all)) in fit.weights.iter().zip(all).enumerate() {
+            let of = |gram: &JointGram| mixed(fit, gram, j, columns);
+            let less = left_out.map(|f| of(fit.grams.apart(f, j)));
+            let fitted = less.as_ref().map_or_else(|| all.clone(), |less| all - less);
+            for (mut cross, fitted) in cross.rows_mut().into_iter().zip(fitted.rows()) {
+                for (&(i, _), product) in fit.places[j].iter().zip(fitted) {
+                    cross[i] += w * product;
                 }
             }
+            own.push(match left_out {
+                Some(f) if fit.grams.has_near() => of(&fit.grams.folds[f][j]),
+                _ => less.unwrap_or(fitted),
+            });
         }
         let moved = part.factor.solve_rows(&cross);
-        let joints = 0..if scored { grams.dof() } else { 0 };
-        let scored = joints
-            .map(|j| {
-                let gram = &left_out.map_or(&grams.total, |f| &grams.folds[f])[j];
-                OnJoint::new(fit, part, gram, j, columns, &moved)
-            })
-            .collect();
-        Self {
+        let mut out = Self {
+            part,
+            left_out,
             cross,
             moved,
-            scored,
+            scored: Vec::new(),
+        };
+        if scored {
+            let each = own.into_iter().enumerate();
+            let each = each.map(|(j, mixed)| OnJoint::new(fit, &out, j, columns, mixed));
+            out.scored = each.collect();
         }
+        out
+    }
+
+    /// Sums of products of a joint's scored rows.
+    fn gram<'g>(&self, fit: &Fit<'g>, joint: usize) -> &'g JointGram {
+        &self
+            .left_out
+            .map_or(&fit.grams.total, |f| &fit.grams.folds[f])[joint]
     }
 }
 
 impl OnJoint {
     fn new(
         fit: &Fit,
-        part: &Part,
-        gram: &JointGram,
+        common: &Common,
         joint: usize,
         columns: &[usize],
-        moved: &Array2<f64>,
+        mixed: Array2<f64>,
     ) -> Self {
-        let (places, correlation) = (&fit.places[joint], &part.correlation[joint]);
-        let variables: Vec<usize> = places.iter().map(|p| p.0).collect();
-        let moved = moved.select(Axis(1), &variables);
-        let product = moved.dot(&part.products[joint]);
-        let known: Array1<f64> = places.iter().map(|&(_, p)| correlation[p]).collect();
-        let (mut square, mut slope) = (Vec::new(), moved.dot(&known).to_vec());
-        let rows = moved.rows().into_iter().zip(product.rows());
-        for (((moved, product), slope), &column) in rows.zip(&mut slope).zip(columns) {
-            let mut own = moved.dot(&product);
-            if let Some(p) = fit.grams.layout.position(joint, column) {
-                own += gram.xx[[p, p]] - 2.0 * onto(gram, p, places, moved);
-                *slope -= correlation[p];
-            }
-            square.push(own);
-        }
-        Self {
+        let (part, gram) = (common.part, common.gram(fit, joint));
+        let variables: Vec<usize> = fit.places[joint].iter().map(|p| p.0).collect();
+        let moved = common.moved.select(Axis(1), &variables);
+        let product = moved.dot(&part.own[joint].xx);
+        let beta: Array1<f64> = variables.iter().map(|&i| part.beta[i]).collect();
+        let (known, fitted) = (moved.dot(&part.correlation[joint]), mixed.dot(&beta));
+        let mut out = Self {
+            mixed,
             moved,
             product,
-            square,
-            slope,
+            square: Vec::with_capacity(columns.len()),
+            slope: Vec::with_capacity(columns.len()),
+        };
+        for (r, &column) in columns.iter().enumerate() {
+            let place = fit.grams.layout.position(joint, column);
+            let (square, left) =
+                place.map_or((0.0, 0.0), |p| (gram.xx[[p, p]], gram.xy[p] - fitted[r]));
+            out.square.push(out.between(r, r) + square);
+            out.slope.push(known[r] - left);
         }
+        out
+    }
+
+    /// Element of Q for the columns in two rows, without their own product.
+    fn between(&self, r: usize, s: usize) -> f64 {
+        let moved = |r: usize| self.moved.row(r);
+        moved(r).dot(&self.product.row(s))
+            - self.mixed.row(r).dot(&moved(s))
+            - self.mixed.row(s).dot(&moved(r))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::algebra::fit::left_out_error;
     use crate::algebra::gram::{Grams, JointGram, Layout};
     use proptest::prelude::*;
     use std::ops::Range;
@@ -378,9 +343,10 @@ mod tests {
             for (a, b) in trial.error.iter().zip(full.error()) {
                 prop_assert!((a - b).abs() < 1e-9);
             }
-            let alone = left_out_error(&grams, &full.variables, &full.weights);
-            for (a, b) in alone.iter().zip(full.error()) {
-                prop_assert!((a - b).abs() < 1e-9);
+            let weights = |_: &[f64]| vec![1.0, 2.0];
+            let again = Fit::weighted(&grams, full.variables.clone(), weights, 1);
+            for (a, b) in again.error().iter().zip(full.error()) {
+                prop_assert!((a - b).abs() < 1e-12);
             }
             prop_assert!((trial.penalty - full.penalty()).abs() < 1e-9);
             prop_assert!((trial.gamma[1] - full.beta()[3]).abs() < 1e-9);

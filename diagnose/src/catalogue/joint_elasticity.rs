@@ -10,6 +10,7 @@ use super::info::{Carried, Info, Need};
 use super::reported::{Parameter, size};
 use super::transmission::Spring;
 use super::unit::Unit;
+use crate::motion::motor::Band;
 use crate::motion::scene::Scene;
 use ndarray::{Array1, Array2};
 
@@ -124,7 +125,7 @@ pub(super) fn compliant(
 
 /// Mean inertia that the joint turns, kg·m².
 pub(super) fn own_inertia(scene: &Scene, joint: usize) -> f64 {
-    (scene.tangent(joint).qdd.column(joint).sum() / scene.len().max(1) as f64).max(1e-9)
+    scene.inertia(joint, Band::Motion).max(1e-9)
 }
 
 /// Converts compliance into stiffness.

@@ -52,7 +52,7 @@ pub(super) fn recorded(
     zero: f64,
 ) -> Option<Array2<f64>> {
     let [x, v, a] = scene.departed(joint, band)?;
-    let departure = [x - zero, v.clone(), a.clone()];
+    let departure = [&x - zero, v.to_owned(), a.to_owned()];
     Some(changed(&scene.motor(joint, band), rotor, &departure))
 }
 
@@ -141,7 +141,7 @@ impl Gap {
 /// Acceleration of a free link's departure from its motor, T/M.
 fn needed(motor: &Motor, rotor: f64) -> Array1<f64> {
     let inertia = motor.tangent.qdd.column(motor.joint);
-    let own = rotor * inertia.mean().unwrap_or(0.0);
+    let own = rotor * motor.inertia;
     let link = |whole: f64| (whole - own).max(LEAST_LINK * whole).max(1e-9);
     let each = motor.rigid.iter().zip(motor.qdd).zip(inertia);
     each.map(|((torque, qdd), &whole)| (torque - own * qdd) / link(whole))
@@ -154,7 +154,7 @@ fn changed(motor: &Motor, rotor: f64, departure: &Departure) -> Array2<f64> {
     let [q, qd, qdd] = [0, 1, 2].map(|k| -departure[k].clone().insert_axis(Axis(1)));
     let mut out = &by.q * &q + &by.qd * &qd + &by.qdd * &qdd;
     // The rotor stays with the motor.
-    let own = rotor * by.qdd.column(motor.joint).mean().unwrap_or(0.0);
+    let own = rotor * motor.inertia;
     out.column_mut(motor.joint).scaled_add(own, &departure[2]);
     out
 }

@@ -2,7 +2,7 @@
 
 use datasets::{Recording, Trajectory};
 
-/// Largest number of samples times joints that is used of one recording; with seven joints about 2 GB at the peak.
+/// Largest number of samples times joints that is used of one recording; with seven joints at most about 2 GB at the peak, where they are one trajectory.
 const MOST: usize = 1_000_000;
 /// Length of a stretch that is taken or left, s. Trajectories shorter than this stay whole.
 const STRETCH: f64 = 60.0;

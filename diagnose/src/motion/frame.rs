@@ -210,15 +210,31 @@ impl Frame {
         self.prepared.to_samples(values)
     }
 
-    /// Columns at the fine rate reduced to the fitted rows; the low-pass filters them in one call.
-    pub fn reduce_each(&self, fine: &[&Array1<f64>]) -> Vec<Array1<f64>> {
-        let samples: Vec<Vec<f64>> = fine.iter().map(|c| self.to_samples(c)).collect();
+    /// Columns on the fine grid of some trajectories resampled to the recorded stamps, with the torque's filter.
+    pub fn resample(&self, trajectories: Range<usize>, fine: &[&Array1<f64>]) -> Vec<Array1<f64>> {
+        let fine: Vec<&[f64]> = fine
+            .iter()
+            .map(|c| c.as_slice().expect("a new column is in one piece"))
+            .collect();
+        let samples = self.prepared.to_samples_each(trajectories, &fine);
+        samples.into_iter().map(Array1::from).collect()
+    }
+
+    /// Columns on the fine grid of some trajectories reduced to their fitted rows; the low-pass filters them in one call.
+    pub fn reduce(&self, trajectories: Range<usize>, fine: &[&Array1<f64>]) -> Vec<Array1<f64>> {
+        let samples = self.resample(trajectories.clone(), fine);
         let Some(lowpass) = &self.lowpass else {
-            return samples.into_iter().map(Array1::from).collect();
+            return samples;
         };
-        let mut out = vec![Vec::with_capacity(self.len()); fine.len()];
-        for s in &self.samples().segments {
-            let parts: Vec<&[f64]> = samples.iter().map(|x| &x[s.clone()]).collect();
+        let segments = &self.samples().segments[trajectories];
+        let start = segments.first().map_or(0, |s| s.start);
+        let mut out = vec![Vec::new(); fine.len()];
+        for s in segments {
+            let own = s.start - start..s.end - start;
+            let parts: Vec<&[f64]> = samples
+                .iter()
+                .map(|x| &x.as_slice().expect("a new column is in one piece")[own.clone()])
+                .collect();
             for (out, y) in out.iter_mut().zip(filtfilt_each(lowpass, &parts)) {
                 out.extend(y.into_iter().step_by(self.stride));
             }

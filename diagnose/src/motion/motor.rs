@@ -46,14 +46,16 @@ pub struct Motor<'s> {
     pub rigid: ArrayView1<'s, f64>,
     /// Derivatives of the rigid torque by the joint's motion.
     pub tangent: &'s Tangent,
+    /// Mean inertia that the joint turns in the recording, kg·m².
+    pub inertia: f64,
 }
 
-/// Derivatives by each joint's motion, computed on first use: few columns need any.
-pub(super) struct Tangents(Vec<OnceLock<Tangent>>);
+/// Derivatives by each joint's motion, and the mean inertia that it turns, computed on first use: few columns need any.
+pub(super) struct Tangents(Vec<(OnceLock<Tangent>, OnceLock<f64>)>);
 
 impl Tangents {
     pub(super) fn new(dof: usize) -> Self {
-        Self((0..dof).map(|_| OnceLock::new()).collect())
+        Self((0..dof).map(|_| Default::default()).collect())
     }
 
     /// Derivatives by one joint's motion. `rigid` is the robot's torque on the motion, shape (samples, joints).
@@ -64,42 +66,72 @@ impl Tangents {
         motion: &Motion,
         rigid: &Array2<f64>,
     ) -> &Tangent {
-        self.0[joint].get_or_init(|| Tangent::new(robot, motion, rigid, joint))
+        let tangent = || Tangent::new(robot, motion, rigid, joint);
+        self.0[joint].0.get_or_init(tangent)
+    }
+
+    /// Mean inertia that one joint turns, kg·m², with the arguments of [`Self::by`].
+    pub(super) fn inertia(
+        &self,
+        joint: usize,
+        robot: &Robot,
+        motion: &Motion,
+        rigid: &Array2<f64>,
+    ) -> f64 {
+        let mean = || {
+            let mut sum = 0.0;
+            differences(robot, motion, rigid, [joint, 2], 1.0, |_, change| {
+                sum += change.nth(joint).unwrap_or(0.0);
+            });
+            sum / motion.len().max(1) as f64
+        };
+        *self.0[joint].1.get_or_init(mean)
     }
 }
 
 impl Tangent {
     // On one thread: a worker that waited for others here could be given a column that waits for this one.
     fn new(robot: &Robot, m: &Motion, rigid: &Array2<f64>, joint: usize) -> Self {
-        let mut workspace = Workspace::new(robot);
-        let [mut by_q, mut by_qd, mut by_qdd] = [(); 3].map(|()| Array2::zeros(rigid.dim()));
-        let mut moved = vec![0.0; robot.dof()];
-        let mut tau = vec![0.0; robot.dof()];
-        for (i, rigid) in rigid.rows().into_iter().enumerate() {
-            let [q, qd, qdd] = [&m.q, &m.qd, &m.qdd].map(|t| {
-                let all = t.as_slice().expect("tables are in standard layout");
-                &all[i * t.ncols()..(i + 1) * t.ncols()]
-            });
-            let mut difference = |which: usize, step: f64, out: &mut Array2<f64>| {
-                let mut at = [q, qd, qdd];
-                moved.copy_from_slice(at[which]);
-                moved[joint] += step;
-                at[which] = &moved;
-                inverse_dynamics(robot, &mut workspace, at[0], at[1], at[2], &mut tau);
-                let change = tau.iter().zip(rigid).map(|(t, r)| (t - r) / step);
+        let by = |which: usize, step: f64| {
+            let mut out = Array2::zeros(rigid.dim());
+            differences(robot, m, rigid, [joint, which], step, |i, change| {
                 out.row_mut(i)
                     .iter_mut()
                     .zip(change)
                     .for_each(|(o, c)| *o = c);
-            };
-            difference(0, STEP, &mut by_q);
-            difference(1, STEP, &mut by_qd);
-            difference(2, 1.0, &mut by_qdd);
-        }
+            });
+            out
+        };
         Self {
-            q: by_q,
-            qd: by_qd,
-            qdd: by_qdd,
+            q: by(0, STEP),
+            qd: by(1, STEP),
+            qdd: by(2, 1.0),
         }
+    }
+}
+
+/// Calls `take` at each sample with the change of all joints' torque per unit of a joint's position (0), velocity (1) or
+/// acceleration (2), by a step of it.
+fn differences(
+    robot: &Robot,
+    m: &Motion,
+    rigid: &Array2<f64>,
+    [joint, which]: [usize; 2],
+    step: f64,
+    mut take: impl FnMut(usize, &mut dyn Iterator<Item = f64>),
+) {
+    let mut workspace = Workspace::new(robot);
+    let mut moved = vec![0.0; robot.dof()];
+    let mut tau = vec![0.0; robot.dof()];
+    for (i, rigid) in rigid.rows().into_iter().enumerate() {
+        let mut at = [&m.q, &m.qd, &m.qdd].map(|t| {
+            let all = t.as_slice().expect("tables are in standard layout");
+            &all[i * t.ncols()..(i + 1) * t.ncols()]
+        });
+        moved.copy_from_slice(at[which]);
+        moved[joint] += step;
+        at[which] = &moved;
+        inverse_dynamics(robot, &mut workspace, at[0], at[1], at[2], &mut tau);
+        take(i, &mut tau.iter().zip(rigid).map(|(t, r)| (t - r) / step));
     }
 }

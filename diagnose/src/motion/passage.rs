@@ -62,6 +62,19 @@ impl<'a> History<'a> {
         self.beside
     }
 
+    /// History of a part of the motion, for all but memory.
+    pub fn part<'p>(&self, motion: &'p Motion) -> History<'p>
+    where
+        'a: 'p,
+    {
+        History {
+            clock_known: vec![self.clock_known()],
+            beside: self.beside,
+            sensed: self.sensed,
+            ..History::of(vec![motion], 0)
+        }
+    }
+
     /// The motion in the band of the rows, where it differs.
     pub fn wide(&self) -> Option<&'a Motion> {
         self.wide

@@ -3,10 +3,10 @@
 
 use crate::motion::channel::Channel;
 use crate::motion::motor::{Band, Motor, Tangent, Tangents, Wide};
+use crate::motion::part::Part;
 use crate::motion::passage::History;
-use crate::motion::sensed::Departure;
 use nalgebra::Vector3;
-use ndarray::{Array1, Array2, Axis, Zip};
+use ndarray::{Array1, Array2, ArrayView1, Axis, Zip};
 use physics::batch::{by_row, rigid_torque};
 use physics::dynamics::inverse_dynamics_with_gravity;
 use physics::effects::{
@@ -78,6 +78,8 @@ pub struct Scene<'a> {
     tangents: Tangents,
     wide: Option<Wide<'a>>,
     passage: History<'a>,
+    /// The scene of which this is a part, and the first sample there.
+    whole: Option<(&'a Scene<'a>, usize)>,
 }
 
 impl<'a> Scene<'a> {
@@ -118,6 +120,7 @@ impl<'a> Scene<'a> {
             tangents: Tangents::new(robot.dof()),
             wide,
             passage,
+            whole: None,
         };
         for (joint, terms) in scene.passage.beside().iter().enumerate() {
             let torque = scene.terms(joint, terms);
@@ -127,6 +130,40 @@ impl<'a> Scene<'a> {
             }
         }
         scene
+    }
+
+    /// The scene of some of its trajectories.
+    pub fn part<'p>(&'p self, part: &'p Part) -> Scene<'p> {
+        let cut = |t: &Array2<f64>| {
+            t.slice_axis(Axis(0), part.samples.clone().into())
+                .to_owned()
+        };
+        Scene {
+            robot: self.robot,
+            motion: &part.motion,
+            scale: self.scale,
+            sign: cut(&self.sign),
+            rigid: cut(&self.rigid),
+            drive: cut(&self.drive),
+            given: self.given.as_ref().map(cut),
+            tangents: Tangents::new(self.dof()),
+            wide: self
+                .wide
+                .as_ref()
+                .zip(part.wide.as_ref())
+                .map(|(w, motion)| Wide {
+                    motion,
+                    rigid: cut(&w.rigid),
+                    tangents: Tangents::new(self.dof()),
+                }),
+            passage: self.passage.part(&part.motion),
+            whole: Some((self, part.samples.start)),
+        }
+    }
+
+    /// Motion in the whole band of the rows, where it differs.
+    pub fn wide(&self) -> Option<&'a Motion> {
+        self.passage.wide()
     }
 
     /// Partial derivatives of the rigid torque by the position, velocity and acceleration of a joint.
@@ -144,31 +181,55 @@ impl<'a> Scene<'a> {
         self
     }
 
-    /// Motion and torques that drive the transmission of a joint, in a band. Both bands are one where the
-    /// motion's cut-off is not below the rows' band.
-    pub fn motor(&self, joint: usize, band: Band) -> Motor<'_> {
+    /// Motion, rigid torque and its derivatives in a band. Both bands are one where the motion's cut-off is not below the
+    /// rows' band.
+    fn in_band(&self, band: Band) -> (&Motion, &Array2<f64>, &Tangents) {
         let wide = self.wide.as_ref().filter(|_| band == Band::Rows);
-        let (motion, rigid, tangents) = wide
-            .map_or((self.motion, &self.rigid, &self.tangents), |w| {
-                (w.motion, &w.rigid, &w.tangents)
-            });
+        wide.map_or((self.motion, &self.rigid, &self.tangents), |w| {
+            (w.motion, &w.rigid, &w.tangents)
+        })
+    }
+
+    /// Mean inertia that a joint turns in the recording, also where this scene is a part of it, kg·m².
+    pub fn inertia(&self, joint: usize, band: Band) -> f64 {
+        let (motion, rigid, tangents) = self.whole().in_band(band);
+        tangents.inertia(joint, self.robot, motion, rigid)
+    }
+
+    /// Motion and torques that drive the transmission of a joint, in a band.
+    pub fn motor(&self, joint: usize, band: Band) -> Motor<'_> {
+        let (motion, rigid, tangents) = self.in_band(band);
         let tangent = tangents.by(joint, self.robot, motion, rigid);
         Motor {
             joint,
             qdd: motion.qdd.column(joint),
             rigid: rigid.column(joint),
             tangent,
+            inertia: self.inertia(joint, band),
         }
     }
 
     /// Recorded difference between the position of a joint's motor and of its link, up to a constant.
-    pub fn departed(&self, joint: usize, band: Band) -> Option<&'a Departure> {
-        self.passage.sensed()?.departure(joint, band)
+    pub fn departed(&self, joint: usize, band: Band) -> Option<[ArrayView1<'a, f64>; 3]> {
+        let all = self.passage.sensed()?.departure(joint, band)?;
+        Some(all.each_ref().map(|x| self.own(x)))
     }
 
     /// Recorded temperature of a joint, °C.
-    pub fn temperature(&self, joint: usize) -> Option<&'a Array1<f64>> {
-        self.passage.sensed()?.temperature(joint)
+    pub fn temperature(&self, joint: usize) -> Option<ArrayView1<'a, f64>> {
+        let all = self.passage.sensed()?.temperature(joint)?;
+        Some(self.own(all))
+    }
+
+    /// The scene of the whole recording of which this may be a part.
+    pub fn whole(&self) -> &Scene<'a> {
+        self.whole.map_or(self, |(whole, _)| whole)
+    }
+
+    /// Values at this scene's samples of a signal of the whole recording.
+    pub fn own<'s>(&self, signal: &'s Array1<f64>) -> ArrayView1<'s, f64> {
+        let first = self.whole.map_or(0, |(_, first)| first);
+        signal.slice_axis(Axis(0), (first..first + self.len()).into())
     }
 
     /// Number of samples of the motion.
@@ -300,15 +361,6 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// First-order change of the rigid torque when one joint's link departs from its motor by `dq`.
-    pub fn departure(&self, joint: usize, dq: &Array1<f64>) -> Array2<f64> {
-        let rate = self.derivative(dq);
-        let acceleration = self.derivative(&rate);
-        let by = self.tangent(joint);
-        let column = |x: &Array1<f64>| x.clone().insert_axis(Axis(1));
-        &by.q * &column(dq) + &by.qd * &column(&rate) + &by.qdd * &column(&acceleration)
-    }
-
     /// Torque of one link alone with the inertial parameters `body`, shape (samples, joints).
     pub fn torque_of_link(&self, link: usize, body: &[f64; PARAMETERS_PER_LINK]) -> Array2<f64> {
         let mut parameters = vec![0.0; PARAMETERS_PER_LINK * self.dof()];
@@ -325,42 +377,6 @@ impl<'a> Scene<'a> {
         by_row(self.robot, &m.q, &m.qd, &m.qdd, |r, w, q, qd, qdd, tau| {
             inverse_dynamics_with_gravity(r, w, &gravity, q, qd, qdd, tau)
         }) - &self.rigid
-    }
-
-    /// Gaussian smoothing within each segment by three running means; `deviation` in s.
-    pub fn rounded(&self, x: &Array1<f64>, deviation: f64) -> Array1<f64> {
-        // Three boxes of half width h have the variance h(h + 1).
-        let half = ((deviation / self.scale.step).round() as usize).max(1);
-        let mut out = x.clone();
-        for s in &self.motion.segments {
-            for _ in 0..3 {
-                let mut sums = Vec::with_capacity(s.len() + 1);
-                sums.push(0.0);
-                for i in s.clone() {
-                    sums.push(sums[i - s.start] + out[i]);
-                }
-                for i in 0..s.len() {
-                    let h = half.min(i).min(s.len() - 1 - i);
-                    out[s.start + i] = (sums[i + h + 1] - sums[i - h]) / (2 * h + 1) as f64;
-                }
-            }
-        }
-        out
-    }
-
-    /// First derivative in time within each segment, by central differences.
-    pub fn derivative(&self, x: &Array1<f64>) -> Array1<f64> {
-        let mut d = Array1::zeros(x.len());
-        for s in &self.motion.segments {
-            let t = &self.motion.time;
-            for i in s.clone() {
-                let (a, b) = (i.saturating_sub(1).max(s.start), (i + 1).min(s.end - 1));
-                if b > a {
-                    d[i] = (x[b] - x[a]) / (t[b] - t[a]);
-                }
-            }
-        }
-        d
     }
 }
 

@@ -2,19 +2,20 @@
 
 use crate::algebra::gram::Layout;
 use crate::catalogue::{Candidate, Column, ColumnTorque, base_columns};
-use crate::motion::frame::Frame;
+use crate::motion::part::Part;
 use crate::motion::scene::Scene;
-use ndarray::Array1;
+use ndarray::{Array1, Axis};
 use physics::batch::regressor_columns;
 use physics::robot::PARAMETERS_PER_LINK;
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// Number of columns that are in memory at the fine rate at the same time. Inertial columns come in addition: one pass
-/// over the motion gives all of them.
-const BATCH: usize = 16;
-
-/// Number of columns that one call of the low-pass filters.
+/// Number of columns that one task evaluates and reduces. Inertial columns come in addition: one pass over the motion
+/// gives all of them.
 const TOGETHER: usize = 8;
+
+/// Columns on some trajectories: (column, joint, torque per unit).
+pub type Values = Vec<(usize, usize, Array1<f64>)>;
 
 /// Columns of the regression: torque per unit of each parameter of the base and of the candidates, each column once.
 pub struct Dictionary {
@@ -63,8 +64,8 @@ impl Dictionary {
         self.columns.is_empty()
     }
 
-    /// Columns `ids` at the fine rate, delayed as they are recorded: (column, joint, torque per unit).
-    pub fn evaluate(&self, scene: &Scene, ids: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
+    /// Columns `ids` at the fine rate, delayed as they are recorded.
+    pub fn evaluate(&self, scene: &Scene, ids: &[usize]) -> Values {
         let inertial = PARAMETERS_PER_LINK * scene.dof();
         let wanted: Vec<usize> = ids.iter().copied().filter(|&c| c < inertial).collect();
         let mut out = inertial_columns(scene, &wanted);
@@ -112,38 +113,81 @@ impl Dictionary {
         Layout::new(dof, &joints)
     }
 
-    /// Column numbers from `first` on in batches to evaluate together: the inertial ones, then the others by [`BATCH`].
-    pub(super) fn batches(&self, dof: usize, first: usize) -> Vec<Vec<usize>> {
-        let (inertial, others): (Vec<usize>, Vec<usize>) =
-            (first..self.len()).partition(|&c| c < PARAMETERS_PER_LINK * dof);
-        let others = others.chunks(BATCH).map(<[usize]>::to_vec);
-        std::iter::once(inertial).chain(others).collect()
-    }
-
-    /// Columns `ids` on the fitted rows: (column, joint, torque per unit).
-    pub(super) fn reduced(
+    /// Columns `ids` of a recording part by part, in one order. `reduced` takes columns on the fine grid of some
+    /// trajectories to other stamps. `take` is called with each part's trajectories in turn.
+    ///
+    /// Columns of friction with memory, which runs on through the recording, are evaluated as a whole before.
+    pub fn by_part(
         &self,
         scene: &Scene,
-        frame: &Frame,
         ids: &[usize],
-    ) -> Vec<(usize, usize, Array1<f64>)> {
-        let fine = self.evaluate(scene, ids);
-        let together = |some: &[(usize, usize, Array1<f64>)]| {
+        reduced: impl Fn(Range<usize>, &[&Array1<f64>]) -> Vec<Array1<f64>> + Sync,
+        mut take: impl FnMut(Range<usize>, Values),
+    ) {
+        let parts = Part::all(scene.motion);
+        let reduce = |some: &[(usize, usize, Array1<f64>)], at: &Range<usize>| -> Values {
             let columns: Vec<&Array1<f64>> = some.iter().map(|c| &c.2).collect();
-            let rows = frame.reduce_each(&columns).into_iter();
-            let named = some
-                .iter()
-                .zip(rows)
-                .map(|((c, j, _), rows)| (*c, *j, rows));
-            named.collect::<Vec<_>>()
+            let columns = some.iter().zip(reduced(at.clone(), &columns));
+            columns.map(|((c, j, _), x)| (*c, *j, x)).collect()
         };
-        fine.par_chunks(TOGETHER).flat_map_iter(together).collect()
+        let torque = |c: usize| &self.columns[c].torque;
+        let remembers = |c: &usize| match torque(*c) {
+            ColumnTorque::Terms(terms) => terms.iter().any(|t| t.1.remembers()),
+            _ => false,
+        };
+        let (passed, ids): (Vec<usize>, Vec<usize>) = ids.iter().copied().partition(remembers);
+        let inertial = PARAMETERS_PER_LINK * scene.dof();
+        let (links, others): (Vec<usize>, Vec<usize>) =
+            ids.iter().copied().partition(|c| *c < inertial);
+        let made = others
+            .iter()
+            .filter(|c| matches!(torque(**c), ColumnTorque::Made(_)));
+        let many = made.count() > scene.dof();
+        let passed: Vec<Vec<Values>> = passed
+            .par_chunks(TOGETHER)
+            .map(|some| {
+                let fine = self.evaluate(scene, some);
+                let of = |at: &Range<usize>| {
+                    let rows = Part::samples(scene.motion, at);
+                    let own = fine.iter().map(|(c, j, x)| {
+                        let own = x.slice_axis(Axis(0), rows.clone().into());
+                        (*c, *j, own.to_owned())
+                    });
+                    reduce(&own.collect::<Vec<_>>(), at)
+                };
+                parts.iter().map(of).collect()
+            })
+            .collect();
+        let mut passed: Vec<_> = passed.into_iter().map(Vec::into_iter).collect();
+        for at in parts {
+            let part = Part::new(scene.motion, scene.wide(), &at);
+            let mut own = scene.part(&part);
+            if many {
+                own = own.with_tangents();
+            }
+            let mut out: Values = passed
+                .iter_mut()
+                .filter_map(Iterator::next)
+                .flatten()
+                .collect();
+            let fine = self.evaluate(&own, &links);
+            let each = fine
+                .par_chunks(TOGETHER)
+                .flat_map_iter(|some| reduce(some, &at));
+            out.par_extend(each);
+            let each = others.par_chunks(TOGETHER);
+            out.par_extend(each.flat_map_iter(|some| reduce(&self.evaluate(&own, some), &at)));
+            take(at, out);
+        }
     }
 }
 
 /// Columns `wanted` of inertial parameters at the fine rate: (column, joint, torque per unit). A link's parameters act
 /// on its own joint and all joints before it.
 fn inertial_columns(scene: &Scene, wanted: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
+    if wanted.is_empty() {
+        return Vec::new();
+    }
     let entries: Vec<(usize, usize)> = wanted
         .iter()
         .flat_map(|&c| (0..=c / PARAMETERS_PER_LINK).map(move |j| (j, c)))
@@ -154,4 +198,73 @@ fn inertial_columns(scene: &Scene, wanted: &[usize]) -> Vec<(usize, usize, Array
     named
         .map(|((j, c), column)| (c, j, column.into()))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::catalogue;
+    use crate::motion::frame::Frame;
+    use crate::motion::passage::History;
+    use datasets::{PrepareOptions, Recording, Trajectory};
+    use ndarray::Array2;
+    use physics::effects::EarlySign;
+    use physics::robot::Robot;
+
+    #[test]
+    fn columns_of_parts_are_those_of_the_whole() {
+        // Two trajectories of 42 s on one clock: friction's memory passes from one to the other.
+        let robot = Robot::builtin("ur5").unwrap();
+        let n = 4200;
+        let time: Vec<f64> = (0..2 * n)
+            .map(|i| 0.01 * i as f64 + if i < n { 0.0 } else { 1.0 })
+            .collect();
+        let q = Array2::from_shape_fn((2 * n, robot.dof()), |(i, j)| {
+            ((0.6 + 0.2 * j as f64) * time[i]).sin()
+        });
+        let trajectory = |k: usize| Trajectory {
+            label: k.to_string(),
+            range: k * n..(k + 1) * n,
+        };
+        let recording = Recording {
+            trajectories: vec![trajectory(0), trajectory(1)],
+            ..Recording::new("two", time, q.clone(), Some(q.clone()))
+        };
+        let frame = Frame::new(&recording, q, &PrepareOptions::low_passed(8.0)).unwrap();
+        let early = EarlySign {
+            velocity: 0.01,
+            lead: 0.0,
+        };
+        let scale = frame.scale(&[], &[early; 6]);
+        let passage = History::of(vec![frame.motion()], 0).with_wide(frame.wide());
+        let scene = Scene::new(&robot, passage, &scale);
+        let dictionary = Dictionary::new(robot.dof(), &catalogue(&scene, &[]));
+        let ids: Vec<usize> = (0..dictionary.len()).step_by(7).collect();
+        let remembers = |c: &&usize| match &dictionary.columns[**c].torque {
+            ColumnTorque::Terms(terms) => terms.iter().any(|t| t.1.remembers()),
+            _ => false,
+        };
+        assert!(ids.iter().filter(remembers).count() > 10);
+        let fine = dictionary.evaluate(&scene, &ids);
+        let columns: Vec<&Array1<f64>> = fine.iter().map(|c| &c.2).collect();
+        let whole = frame.reduce(0..2, &columns);
+        let (mut parts, mut rows) = (Vec::new(), 0);
+        let reduced = |at: Range<usize>, fine: &[&Array1<f64>]| frame.reduce(at, fine);
+        dictionary.by_part(&scene, &ids, reduced, |at, values| {
+            assert_eq!(values.len(), whole.len());
+            for (c, j, own) in &values {
+                let place = fine.iter().position(|f| (f.0, f.1) == (*c, *j)).unwrap();
+                let all = whole[place].slice_axis(Axis(0), (rows..rows + own.len()).into());
+                let most = all.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+                let apart = (&all - own).iter().fold(0.0f64, |m, x| m.max(x.abs()));
+                assert!(
+                    apart <= 1e-12 * most,
+                    "column {c} on joint {j}: {apart} of {most}"
+                );
+            }
+            rows += values[0].2.len();
+            parts.push(at);
+        });
+        assert_eq!((parts, rows), (vec![0..1, 1..2], frame.len()));
+    }
 }

@@ -17,10 +17,10 @@ use crate::search::dictionary::Dictionary;
 use crate::search::model_comparison::{Answer, Comparison, Simplest};
 use crate::search::objective::Objective;
 use crate::search::on_time::on_time;
+use crate::search::products::Rows;
 use crate::search::select::CandidateScore;
 use crate::search::session::Session;
 use crate::search::short_recordings::pieces;
-use crate::search::tables::Tables;
 use crate::settings::{Rule, Settings};
 use crate::simulator::NominalModel;
 use crate::traces::impacts::Blows;
@@ -54,8 +54,6 @@ pub struct Findings {
     pub candidates: Vec<Candidate>,
     /// Columns of the candidates.
     pub dictionary: Dictionary,
-    /// Values of the dictionary's columns on the fitted rows.
-    pub tables: Tables,
     /// Sums of products of the columns and the gap over the fitted rows, by fold.
     pub grams: Grams,
     /// Number of base variables (the parameters of the given model), which are the first in every fit.
@@ -94,12 +92,17 @@ impl Columns {
         let mut ids: Vec<usize> = variables.iter().map(|v| v.column).collect();
         ids.sort_unstable();
         ids.dedup();
-        let fine = dictionary.evaluate(scene, &ids);
-        Self(
-            fine.into_par_iter()
-                .map(|(c, j, x)| (c, j, Array1::from(frame.to_samples(&x))))
-                .collect(),
-        )
+        let mut out: Vec<(usize, usize, Vec<f64>)> = Vec::new();
+        let resampled = |at: Range<usize>, fine: &[&Array1<f64>]| frame.resample(at, fine);
+        dictionary.by_part(scene, &ids, resampled, |_, values| {
+            if out.is_empty() {
+                out = values.iter().map(|v| (v.0, v.1, Vec::new())).collect();
+            }
+            let each = out.iter_mut().zip(values);
+            each.for_each(|(out, (_, _, x))| out.2.extend(x));
+        });
+        let out = out.into_iter();
+        Self(out.map(|(c, j, x)| (c, j, Array1::from(x))).collect())
     }
 
     /// Torque of the given coefficients, shape (samples, joints).
@@ -161,13 +164,10 @@ pub fn find(
     let left = punctual.as_ref().unwrap_or(&gap);
     let (fitted, residual) = first_fit(model, frames, &given, left, weight, &settings)?;
     let present = session.as_ref().map_or(fitted, |g| g.present.clone());
-    let mut scene = Scene::new(&present, frames.passage(), scale);
+    let scene = Scene::new(&present, frames.passage(), scale);
     let session = match session {
         Some(known) => known,
-        None => {
-            scene = scene.with_tangents();
-            Arc::new(Session::new(&scene, data, weight, effects, model))
-        }
+        None => Arc::new(Session::new(&scene, data, weight, effects, model)),
     };
     let mut candidates = session.candidates.clone();
     let on_time = on_time(&scene, data, &residual, weight);
@@ -206,10 +206,14 @@ pub fn find(
         candidates.iter_mut().for_each(|c| c.evidence = 0.0);
     }
     let dictionary = Dictionary::new(data.dof(), &candidates);
-    let tables = session.tables.further(&dictionary, &scene, data);
-    // Derivatives of the scene are freed before the sums of products take their memory.
+    let rows = Rows {
+        dictionary: &dictionary,
+        scene: &scene,
+        frame: data,
+        weight,
+    };
+    let grams = rows.grams(&y);
     drop(scene);
-    let grams = tables.grams(&y, weight, folds);
     let objective = Objective::new(&grams, scale, &settings.search);
     let simplest = Simplest {
         objective: &objective,
@@ -258,7 +262,6 @@ pub fn find(
         session,
         candidates,
         dictionary,
-        tables,
         grams,
         base: base.len(),
         accepted,
@@ -283,8 +286,13 @@ fn first_fit(
     let data = &frames.data;
     let dictionary = Dictionary::new(data.dof(), &[]);
     let y = data.table_thin(gap);
-    let tables = Tables::new(&dictionary, given, data);
-    let grams = tables.grams(&y, weight, data.folds());
+    let rows = Rows {
+        dictionary: &dictionary,
+        scene: given,
+        frame: data,
+        weight,
+    };
+    let grams = rows.grams(&y);
     let objective = Objective::new(&grams, &frames.scale, &settings.search);
     let base = objective.base(model, 1.0);
     let fit = objective.fit(base.clone());

@@ -6,9 +6,9 @@ pub(crate) mod find;
 pub(crate) mod model_comparison;
 pub(crate) mod objective;
 mod on_time;
+pub(crate) mod products;
 pub(crate) mod select;
 pub(crate) mod session;
 mod short_recordings;
-pub(crate) mod tables;
 #[cfg(test)]
 mod tests;

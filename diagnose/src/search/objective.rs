@@ -5,7 +5,7 @@
 //! parameters from their given values. A cause with few coefficients is therefore preferred to many changed parameters
 //! that explain the same torque.
 
-use crate::algebra::fit::{Fit, Variable, left_out_error};
+use crate::algebra::fit::{Fit, Variable};
 use crate::algebra::gram::Grams;
 use crate::algebra::trial::Trial;
 use crate::motion::scene::Scale;
@@ -121,11 +121,7 @@ impl<'a> Objective<'a> {
 
     /// Fit of some variables. The weights of the joints depend on their errors, and are found in three passes.
     pub fn fit(&self, variables: Vec<Variable>) -> Fit<'a> {
-        let mut error: Vec<f64> = self.grams.total.iter().map(|g| g.yy).collect();
-        for _ in 0..3 {
-            error = left_out_error(self.grams, &variables, &self.weights(&error));
-        }
-        Fit::new(self.grams, variables, self.weights(&error))
+        Fit::weighted(self.grams, variables, |error| self.weights(error), 3)
     }
 
     /// Variable of a candidate's column with a wide prior about zero. At one standard deviation its RMS torque is a

@@ -15,6 +15,9 @@ use std::sync::OnceLock;
 /// They are the best on the fitted rows.
 const CONTENDERS: usize = 40;
 
+/// Number of candidates whose columns are prepared together: their tables stay in the cache.
+const TOGETHER: usize = 16;
+
 /// Number of a body's first parameters that are mass and first moments.
 const MOMENTS: usize = 4;
 
@@ -183,11 +186,10 @@ impl<'a> Search<'a> {
         let places = self.places();
         let open = some.iter().filter(|&&c| self.open(c, accepted));
         let open: Vec<usize> = open.copied().collect();
-        let columns: Vec<usize> = open.iter().flat_map(|&c| self.members[c].clone()).collect();
-        let beside = SharedColumns::new(fit, &columns, scored);
-        let mut all: Vec<CandidateScore> = open
-            .into_par_iter()
-            .filter_map(|c| {
+        let judge = |some: &[usize]| -> Vec<CandidateScore> {
+            let columns: Vec<usize> = some.iter().flat_map(|&c| self.members[c].clone()).collect();
+            let beside = SharedColumns::new(fit, &columns, scored);
+            let score = |&c: &usize| {
                 let trial = beside.trial(&self.variables(c));
                 let gain = self.gain_among(c, before, &trial, &places)?;
                 Some(CandidateScore {
@@ -197,8 +199,11 @@ impl<'a> Search<'a> {
                     penalty: trial.penalty,
                     gamma: trial.gamma,
                 })
-            })
-            .collect();
+            };
+            some.iter().filter_map(score).collect()
+        };
+        let each = open.par_chunks(TOGETHER).flat_map_iter(judge);
+        let mut all: Vec<CandidateScore> = each.collect();
         all.sort_by(|a, b| {
             b.gain
                 .total_cmp(&a.gain)

@@ -5,13 +5,11 @@ use crate::catalogue::gear::{Link, links};
 use crate::catalogue::{Candidate, catalogue, told_from_links};
 use crate::motion::frame::Frame;
 use crate::motion::scene::Scene;
-use crate::search::dictionary::Dictionary;
-use crate::search::tables::Tables;
 use crate::simulator::NominalModel;
 use ndarray::Array2;
 use physics::robot::Robot;
 
-/// Candidates and columns of the catalogue on one recording, which all its searches share.
+/// Candidates of the catalogue on one recording, which all its searches share.
 pub struct Session {
     /// Robot with the parameters of the first fit, with which columns that depend on a model are computed.
     pub present: Robot,
@@ -19,12 +17,10 @@ pub struct Session {
     pub links: Vec<Link>,
     /// Candidates that do not depend on the recorded torque.
     pub candidates: Vec<Candidate>,
-    /// Values of these candidates' columns on the fitted rows.
-    pub tables: Tables,
 }
 
 impl Session {
-    /// Session of a scene with derivatives. `weight` of the fitted rows, shape (rows, joints). Effects that no recording
+    /// Session of a scene. `weight` of the fitted rows, shape (rows, joints). Effects that no recording
     /// separates from links which `model` does not know are left out.
     pub fn new(
         scene: &Scene,
@@ -38,11 +34,9 @@ impl Session {
         effects.retain(&mut candidates);
         let tool = model.is_identified() || model.robot.doubtful_links().last() != Some(&true);
         candidates.retain(|c| told_from_links(c.effect, model.has_masses(), tool));
-        let dictionary = Dictionary::new(scene.dof(), &candidates);
         Self {
             present: scene.robot.clone(),
             links,
-            tables: Tables::new(&dictionary, scene, frame),
             candidates,
         }
     }

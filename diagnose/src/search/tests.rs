@@ -8,7 +8,7 @@ use crate::catalogue::effect::Effect;
 use crate::catalogue::{Bound, Candidate, Column, Unit};
 use crate::motion::scene::Scale;
 use crate::settings::SearchSettings;
-use ndarray::Array1;
+use ndarray::{Array1, Array2, Axis};
 use physics::robot::Robot;
 use std::collections::HashSet;
 
@@ -35,9 +35,9 @@ fn grams(columns: &[Array1<f64>], gap: &Array1<f64>) -> Grams {
     let layout = Layout::new(1, &vec![vec![0]; columns.len()]);
     let fold = |f: usize| {
         let rows = f * FOLD..(f + 1) * FOLD;
-        let views = columns.iter().map(|c| c.view());
-        let ones = Array1::ones(ROWS);
-        vec![JointGram::of_rows(views, &[rows], gap.view(), ones.view())]
+        let x = Array2::from_shape_fn((FOLD, columns.len()), |(i, c)| columns[c][rows.start + i]);
+        let y = gap.slice_axis(Axis(0), rows.clone().into());
+        vec![JointGram::new(x.view(), y, Array1::ones(FOLD).view())]
     };
     Grams::new(layout, (0..ROWS / FOLD).map(fold).collect())
 }

@@ -20,10 +20,11 @@ use crate::algebra::folds::Fold;
 use crate::catalogue::effect::Effect;
 use crate::input::frames::Frames;
 use crate::ladder::out_of_fold::OutOfFold;
+use crate::motion::scene::Scene;
 use crate::search::find::{Findings, gap};
 use crate::search::objective::Objective;
+use crate::search::products::{Rows, Stretches};
 use crate::search::select::Search;
-use crate::search::tables::Stretches;
 use crate::simulator::NominalModel;
 use ndarray::Array2;
 use std::collections::HashSet;
@@ -73,6 +74,13 @@ pub fn with<T>(
         chance: 0.0,
         missing: OnceLock::new(),
     };
+    let scene = Scene::new(&found.session.present, frames.passage(), scale);
+    let rows = Rows {
+        dictionary: &found.dictionary,
+        scene: &scene,
+        frame,
+        weight,
+    };
     let scanned = |c: &usize| found.candidates[*c].effect != Effect::TorqueRipple;
     ask(&Source {
         frames,
@@ -82,9 +90,7 @@ pub fn with<T>(
             .collect(),
         search,
         fit: &fit,
-        stretches: found
-            .tables
-            .by_stretch(&residual, weight, &cut, frame.folds()),
+        stretches: rows.by_stretch(&residual, &cut),
         residual: &residual,
         weight,
         cut: &cut,

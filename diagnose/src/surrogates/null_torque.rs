@@ -2,7 +2,7 @@
 
 use crate::algebra::batched_trials::RightHands;
 use crate::algebra::fit::Fit;
-use crate::search::tables::Stretches;
+use crate::search::products::Stretches;
 use ndarray::{Array1, Array2, Axis};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -57,7 +57,7 @@ impl Drawn {
             for j in 0..dof {
                 let rest = stretches.products[j].select(Axis(1), &own).dot(&signs);
                 let (columns, x) = fit.fitted_rows(j, &self.beta);
-                let modelled = fit.products(f, j).select(Axis(1), &columns).dot(&x);
+                let modelled = fit.products(f, j).columns(&columns).dot(&x);
                 let squares: f64 = own.iter().map(|&b| stretches.squares[[b, j]]).sum();
                 let cross = &modelled + &(2.0 * &rest);
                 let cross = (&x * &cross.select(Axis(0), &columns)).sum_axis(Axis(0));
@@ -88,7 +88,7 @@ impl Drawn {
             products.dot(&self.signs.select(Axis(0), signs))
         };
         let (columns, x) = fit.fitted_rows(joint, &self.beta);
-        let modelled = fit.products_apart(fold, joint).select(Axis(1), &columns);
+        let modelled = fit.products_apart(fold, joint).columns(&columns);
         modelled.dot(&x)
             + rest(&stretches.products[joint], &own, &own)
             + rest(&stretches.near_products[joint], &near, &of)

@@ -5,12 +5,15 @@ use crate::session::Session;
 use ::identify::base::BaseParameters;
 use ::identify::least_squares::{Accumulator, Gram, LeastSquaresError, Triangle};
 use datasets::metrics::MOVING;
-use ndarray::Array2;
+use ndarray::{Array2, Axis};
 use physics::batch::regressor_columns;
 use physics::effects::Term;
 use physics::robot::Robot;
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// Number of columns that one call of the torque's filter takes to the samples.
+const TOGETHER: usize = 8;
 
 /// Base columns of every joint and recording: `[joint][recording]`, shape (samples, base parameters).
 pub type RigidColumns = Vec<Vec<Array2<f64>>>;
@@ -42,16 +45,30 @@ pub fn inertial_columns(
     for part in &session.parts[recordings] {
         let m = &part.fine;
         let needed = part.rows_for(every);
-        let fine = regressor_columns(robot, &m.q, &m.qd, &m.qdd, &entries, |row| needed[row]);
-        let sampled: Vec<Vec<f64>> = fine
-            .par_iter()
-            .map(|column| part.to_samples(column))
-            .collect();
-        for (list, block) in columns.iter_mut().zip(sampled.chunks(standard.len())) {
-            list.push(Array2::from_shape_fn(
-                (part.at_samples.len(), standard.len()),
-                |(r, c)| block[c][r],
-            ));
+        let shape = (part.at_samples.len(), standard.len());
+        let mut blocks = vec![Array2::zeros(shape); robot.dof()];
+        // One trajectory at a time: the fine columns of all would take much memory.
+        for (k, (rows, samples)) in m.segments.iter().zip(&part.at_samples.segments).enumerate() {
+            let own = |t: &Array2<f64>| t.slice_axis(Axis(0), rows.clone().into()).to_owned();
+            let [q, qd, qdd] = [&m.q, &m.qd, &m.qdd].map(own);
+            let needed = |row: usize| needed[rows.start + row];
+            let fine = regressor_columns(robot, &q, &qd, &qdd, &entries, needed);
+            let resampled = |some: &[Vec<f64>]| {
+                let some: Vec<&[f64]> = some.iter().map(Vec::as_slice).collect();
+                part.to_samples_each(k..k + 1, &some)
+            };
+            let sampled: Vec<Vec<f64>> =
+                fine.par_chunks(TOGETHER).flat_map_iter(resampled).collect();
+            for (block, sampled) in blocks.iter_mut().zip(sampled.chunks(standard.len())) {
+                for (mut to, from) in block.columns_mut().into_iter().zip(sampled) {
+                    for (row, x) in samples.clone().zip(from) {
+                        to[row] = *x;
+                    }
+                }
+            }
+        }
+        for (list, block) in columns.iter_mut().zip(blocks) {
+            list.push(block);
         }
     }
     columns

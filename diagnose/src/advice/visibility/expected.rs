@@ -2,7 +2,7 @@
 
 use super::choice::{Choice, Visible};
 use crate::algebra::folds::folds;
-use crate::algebra::gram::{Grams, JointGram, Layout};
+use crate::algebra::gram::{Grams, JointGram, Layout, Symmetric};
 use crate::catalogue::{Bound, Candidate};
 use crate::motion::scene::Scene;
 use crate::search::dictionary::Dictionary;
@@ -187,16 +187,15 @@ impl Part {
             let own = weighted(more, &self.rows, &self.root[j]);
             let (k, all) = (base.ncols(), base.ncols() + own.ncols());
             let (cross, inner) = (base.t().dot(&own), own.t().dot(&own));
-            let xx = Array2::from_shape_fn((all, all), |(a, b)| match (a < k, b < k) {
-                (true, true) => products.xx[[a, b]],
-                (true, false) => cross[[a, b - k]],
+            let xx = Symmetric::from_fn(all, |a, b| match (a < k, b < k) {
+                (true, _) => products.xx[[a, b]],
                 (false, true) => cross[[b, a - k]],
                 (false, false) => inner[[a - k, b - k]],
             });
             JointGram {
                 xx,
                 xy: Array1::zeros(all),
-                ..products.clone()
+                ..*products
             }
         };
         more.iter().enumerate().map(of).collect()
@@ -289,7 +288,7 @@ impl<'a> Expected<'a> {
                 g.yy = g.samples * self.judge.variance[j];
                 g.xy.fill(0.0);
                 if let Some(p) = layout.position(j, column) {
-                    g.xy.scaled_add(size, &g.xx.column(p));
+                    g.xy.scaled_add(size, &g.xx.columns(&[p]).column(0));
                     g.yy += size * size * g.xx[[p, p]];
                 }
             }

@@ -59,7 +59,8 @@ fn link(scene: &Scene, frame: &Frame, weight: &Array2<f64>, joint: usize) -> Opt
     let [departure, rate, _] = scene.departed(joint, Band::Rows)?;
     let middle = departure.mean()?;
     let change = recorded(scene, joint, Band::Rows, 0.0, middle)?;
-    let change = frame.reduce_each(&[&change.column(joint).to_owned()]);
+    let all = || 0..frame.rows.len();
+    let change = frame.reduce(all(), &[&change.column(joint).to_owned()]);
     if change[0].std(0.0) < STIFF * scene.scale.torque[joint] {
         return Some(Link::Stiff);
     }
@@ -68,8 +69,8 @@ fn link(scene: &Scene, frame: &Frame, weight: &Array2<f64>, joint: usize) -> Opt
     let own = own[first..].first_chunk()?;
     let m = scene.motion;
     let fine = [
-        departure.clone(),
-        rate.clone(),
+        departure.to_owned(),
+        rate.to_owned(),
         m.qd.column(joint).to_owned(),
         scene.sign.column(joint).to_owned(),
         m.qdd.column(joint).to_owned(),
@@ -83,7 +84,7 @@ fn link(scene: &Scene, frame: &Frame, weight: &Array2<f64>, joint: usize) -> Opt
         None => x.clone(),
     };
     let fine = fine.each_ref().map(late);
-    let reduced = frame.reduce_each(&fine.each_ref());
+    let reduced = frame.reduce(all(), &fine.each_ref());
     let [departure, rate, qd, sign, qdd, own, sine, cosine] = reduced.try_into().ok()?;
     let rows = Rows {
         motor: [

@@ -9,8 +9,8 @@ use crate::motion::scene::Scene;
 use crate::search::dictionary::Dictionary;
 use crate::search::find::gap;
 use crate::search::objective::Objective;
+use crate::search::products::Rows;
 use crate::search::select::Search;
-use crate::search::tables::Tables;
 use crate::simulator::NominalModel;
 use ndarray::Array1;
 use physics::robot::Robot;
@@ -45,8 +45,9 @@ fn decoy(candidate: &Candidate, trajectories: usize) -> Option<Candidate> {
             ColumnTorque::Made(make) => make.clone(),
         };
         let make = move |s: &Scene| {
-            let here = make(s);
-            here.iter().map(|x| elsewhere(x, trajectories)).collect()
+            let here = make(s.whole());
+            let each = here.iter().map(|x| elsewhere(x, trajectories));
+            each.map(|x| s.own(&x).to_owned()).collect()
         };
         Some(Column {
             joints: column.joints.clone(),
@@ -86,8 +87,13 @@ fn what_another_trajectory_moved_explains_nothing() {
         let dictionary = Dictionary::new(data.dof(), &all);
         let scene = Scene::new(&found.session.present, frames.passage(), &frames.scale);
         let y = data.table_thin(&gap(&model, data, &frames.scale));
-        let tables = Tables::new(&dictionary, &scene, data);
-        let grams = tables.grams(&y, &weight, data.folds());
+        let rows = Rows {
+            dictionary: &dictionary,
+            scene: &scene,
+            frame: data,
+            weight: &weight,
+        };
+        let grams = rows.grams(&y);
         let objective = Objective::new(&grams, &frames.scale, &found.settings.search);
         let search = Search {
             objective: &objective,
