@@ -28,6 +28,8 @@ pub type Maker = dyn Fn(&Scene) -> Vec<Array1<f64>> + Send + Sync;
 pub enum ColumnTorque {
     /// Column of the base, by number: inertial parameters, then viscous, then Coulomb friction.
     Base(usize),
+    /// Change of a link's inertial parameters by a multiple of the given ones: (index of the link, its parameters).
+    Link(usize, [f64; PARAMETERS_PER_LINK]),
     /// Terms of the torque model, each with its factor, which a control loop can compute as well.
     Terms(Vec<(f64, Term)>),
     /// Function of the scene: for torque that no control loop can compute, or that belongs to the rigid body or
@@ -203,6 +205,7 @@ impl Column {
         self.joints == other.joints
             && match (&self.torque, &other.torque) {
                 (ColumnTorque::Base(a), ColumnTorque::Base(b)) => a == b,
+                (ColumnTorque::Link(a, x), ColumnTorque::Link(b, y)) => a == b && x == y,
                 (ColumnTorque::Terms(a), ColumnTorque::Terms(b)) => a == b,
                 (ColumnTorque::Made(a), ColumnTorque::Made(b)) => Arc::ptr_eq(a, b),
                 _ => false,

@@ -17,7 +17,6 @@ use nalgebra::{Rotation3, Vector3};
 use physics::effects::{Sliding, Term};
 use physics::robot::{Inertia, PARAMETERS_PER_LINK, Robot};
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::sync::Arc;
 
 /// Description of `rotor_inertia`: confounders, needs, remedy, rules.
 pub(super) const ROTOR: Info = Info {
@@ -223,10 +222,7 @@ fn changed(
 ) -> Candidate {
     let torque = Column {
         joints: (0..=link).collect(),
-        torque: ColumnTorque::Made(Arc::new(move |s| {
-            let torque = s.torque_of_link(link, &change);
-            (0..=link).map(|j| torque.column(j).to_owned()).collect()
-        })),
+        torque: ColumnTorque::Link(link, change),
         recorded: false,
     };
     let mut candidate = Candidate::single(Effect::LinkParameters, link, quantity, bound, torque);

@@ -8,6 +8,7 @@ use ndarray::{Array1, Axis};
 use physics::batch::regressor_columns;
 use physics::robot::PARAMETERS_PER_LINK;
 use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// Number of columns that one task evaluates and reduces. Inertial columns come in addition: one pass over the motion
@@ -67,12 +68,15 @@ impl Dictionary {
     /// Columns `ids` at the fine rate, delayed as they are recorded.
     pub fn evaluate(&self, scene: &Scene, ids: &[usize]) -> Values {
         let inertial = PARAMETERS_PER_LINK * scene.dof();
-        let wanted: Vec<usize> = ids.iter().copied().filter(|&c| c < inertial).collect();
-        let mut out = inertial_columns(scene, &wanted);
-        let made: Vec<Vec<(usize, usize, Array1<f64>)>> = ids
+        let (links, others): (Vec<usize>, Vec<usize>) = ids
+            .iter()
+            .copied()
+            .partition(|&c| self.is_of_link(c, scene.dof()));
+        let mut out = self.link_columns(scene, &links);
+        let made: Vec<Vec<(usize, usize, Array1<f64>)>> = others
             .par_iter()
-            .filter(|&&c| c >= inertial)
             .map(|&c| match &self.columns[c].torque {
+                ColumnTorque::Link(..) => Vec::new(),
                 ColumnTorque::Base(b) => {
                     let (kind, joint) =
                         ((b - inertial) / scene.dof(), (b - inertial) % scene.dof());
@@ -107,6 +111,57 @@ impl Dictionary {
         out
     }
 
+    /// Whether a column is the torque of a link's inertial parameters, or of a combination of them.
+    fn is_of_link(&self, id: usize, dof: usize) -> bool {
+        match self.columns[id].torque {
+            ColumnTorque::Base(b) => b < PARAMETERS_PER_LINK * dof,
+            ColumnTorque::Link(..) => true,
+            ColumnTorque::Terms(_) | ColumnTorque::Made(_) => false,
+        }
+    }
+
+    /// Columns `ids` of inertial parameters at the fine rate: (column, joint, torque per unit). One pass over the motion
+    /// gives all of them. A link's parameters act on its own joint and all joints before it.
+    fn link_columns(&self, scene: &Scene, ids: &[usize]) -> Values {
+        let mut needed = BTreeSet::new();
+        for &c in ids {
+            match self.columns[c].torque {
+                ColumnTorque::Link(link, _) => {
+                    let first = PARAMETERS_PER_LINK * link;
+                    needed.extend(first..first + PARAMETERS_PER_LINK);
+                }
+                _ => _ = needed.insert(c),
+            }
+        }
+        if needed.is_empty() {
+            return Vec::new();
+        }
+        let entries: Vec<(usize, usize)> = needed
+            .iter()
+            .flat_map(|&c| (0..=c / PARAMETERS_PER_LINK).map(move |j| (j, c)))
+            .collect();
+        let m = scene.motion;
+        let columns = regressor_columns(scene.robot, &m.q, &m.qd, &m.qdd, &entries, |_| true);
+        let columns = columns.into_iter().map(Array1::from);
+        let made: BTreeMap<(usize, usize), Array1<f64>> =
+            entries.into_iter().zip(columns).collect();
+        let each = ids.par_iter().flat_map_iter(|&c| {
+            let made = &made;
+            let column = &self.columns[c];
+            column.joints.iter().map(move |&j| match &column.torque {
+                ColumnTorque::Link(link, change) => {
+                    let mut sum = Array1::zeros(scene.len());
+                    for (p, size) in change.iter().enumerate() {
+                        sum.scaled_add(*size, &made[&(j, PARAMETERS_PER_LINK * link + p)]);
+                    }
+                    (c, j, sum)
+                }
+                _ => (c, j, made[&(j, c)].clone()),
+            })
+        });
+        each.collect()
+    }
+
     /// Joints on whose torque each column acts.
     pub fn layout(&self, dof: usize) -> Layout {
         let joints: Vec<Vec<usize>> = self.columns.iter().map(|c| c.joints.clone()).collect();
@@ -136,9 +191,10 @@ impl Dictionary {
             _ => false,
         };
         let (passed, ids): (Vec<usize>, Vec<usize>) = ids.iter().copied().partition(remembers);
-        let inertial = PARAMETERS_PER_LINK * scene.dof();
-        let (links, others): (Vec<usize>, Vec<usize>) =
-            ids.iter().copied().partition(|c| *c < inertial);
+        let (links, others): (Vec<usize>, Vec<usize>) = ids
+            .iter()
+            .copied()
+            .partition(|&c| self.is_of_link(c, scene.dof()));
         let made = others
             .iter()
             .filter(|c| matches!(torque(**c), ColumnTorque::Made(_)));
@@ -180,24 +236,6 @@ impl Dictionary {
             take(at, out);
         }
     }
-}
-
-/// Columns `wanted` of inertial parameters at the fine rate: (column, joint, torque per unit). A link's parameters act
-/// on its own joint and all joints before it.
-fn inertial_columns(scene: &Scene, wanted: &[usize]) -> Vec<(usize, usize, Array1<f64>)> {
-    if wanted.is_empty() {
-        return Vec::new();
-    }
-    let entries: Vec<(usize, usize)> = wanted
-        .iter()
-        .flat_map(|&c| (0..=c / PARAMETERS_PER_LINK).map(move |j| (j, c)))
-        .collect();
-    let m = scene.motion;
-    let columns = regressor_columns(scene.robot, &m.q, &m.qd, &m.qdd, &entries, |_| true);
-    let named = entries.into_iter().zip(columns);
-    named
-        .map(|((j, c), column)| (c, j, column.into()))
-        .collect()
 }
 
 #[cfg(test)]
@@ -246,6 +284,17 @@ mod tests {
         };
         assert!(ids.iter().filter(remembers).count() > 10);
         let fine = dictionary.evaluate(&scene, &ids);
+        let mut changed = 0;
+        for (c, j, torque) in &fine {
+            if let ColumnTorque::Link(link, body) = &dictionary.columns[*c].torque {
+                let alone = scene.torque_of_link(*link, body);
+                let most = alone.iter().fold(1e-9f64, |m, x| m.max(x.abs()));
+                let apart = torque - &alone.column(*j);
+                assert!(apart.iter().all(|x| x.abs() <= 1e-9 * most), "{c} on {j}");
+                changed += 1;
+            }
+        }
+        assert!(changed > 5, "{changed}");
         let columns: Vec<&Array1<f64>> = fine.iter().map(|c| &c.2).collect();
         let whole = frame.reduce(0..2, &columns);
         let (mut parts, mut rows) = (Vec::new(), 0);

@@ -124,7 +124,7 @@ impl Combination {
                     }
                 }
             }
-            ColumnTorque::Made(_) => {}
+            ColumnTorque::Link(..) | ColumnTorque::Made(_) => {}
         }
     }
 

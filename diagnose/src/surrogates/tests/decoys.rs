@@ -37,7 +37,7 @@ fn with(candidate: &Candidate, columns: Vec<Column>) -> Candidate {
 fn decoy(candidate: &Candidate, trajectories: usize) -> Option<Candidate> {
     let moved = |column: &Column| {
         let make: Arc<Maker> = match &column.torque {
-            ColumnTorque::Base(_) => return None,
+            ColumnTorque::Base(_) | ColumnTorque::Link(..) => return None,
             ColumnTorque::Terms(terms) => {
                 let (terms, joint) = (terms.clone(), column.joints[0]);
                 Arc::new(move |s: &Scene| vec![s.terms(joint, &terms)])
