@@ -211,6 +211,7 @@ pub fn find(
         scene: &scene,
         frame: data,
         weight,
+        kept: Some(&session.kept),
     };
     let grams = rows.grams(&y);
     drop(scene);
@@ -291,6 +292,7 @@ fn first_fit(
         scene: given,
         frame: data,
         weight,
+        kept: None,
     };
     let grams = rows.grams(&y);
     let objective = Objective::new(&grams, &frames.scale, &settings.search);

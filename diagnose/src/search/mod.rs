@@ -3,6 +3,7 @@
 mod acceptance;
 pub(crate) mod dictionary;
 pub(crate) mod find;
+pub(crate) mod kept;
 pub(crate) mod model_comparison;
 pub(crate) mod objective;
 mod on_time;

@@ -1,11 +1,12 @@
 //! Sums of products of the dictionary's columns over the fitted rows of a recording. The columns' values are of one part of
-//! the recording at a time: all of them would take most of a search's memory.
+//! the recording at a time: all of them would take most of a search's memory. Further searches read them from a file.
 
 use crate::algebra::folds::Fold;
 use crate::algebra::gram::{Grams, JointGram, Layout};
 use crate::motion::frame::Frame;
 use crate::motion::scene::Scene;
-use crate::search::dictionary::Dictionary;
+use crate::search::dictionary::{Dictionary, Values};
+use crate::search::kept::Kept;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -43,30 +44,66 @@ pub struct Rows<'a> {
     pub frame: &'a Frame,
     /// Weight of each row, shape (rows, joints).
     pub weight: &'a Array2<f64>,
+    /// Values of the session's columns, with which the dictionary begins; none where it does not.
+    pub kept: Option<&'a Kept>,
 }
 
 impl Rows<'_> {
     /// Calls `take` with the rows of each part of the recording in turn, and there with the values of the columns by
     /// joint, shape (columns that act on it, rows).
     fn by_part(&self, layout: &Layout, mut take: impl FnMut(Range<usize>, Vec<Array2<f64>>)) {
-        let ids: Vec<usize> = (0..self.dictionary.len()).collect();
+        let mut tables = |at: Range<usize>, values: Values| {
+            let rows = &self.frame.rows[at];
+            let rows = rows[0].start..rows[rows.len() - 1].end;
+            let active = layout.active.iter();
+            let mut tables: Vec<Array2<f64>> = active
+                .map(|active| Array2::zeros((active.len(), rows.len())))
+                .collect();
+            for (c, j, values) in values {
+                let p = layout
+                    .position(j, c)
+                    .expect("a column touches the joints that it names");
+                tables[j].row_mut(p).assign(&values);
+            }
+            take(rows, tables);
+        };
         let reduced = |at: Range<usize>, fine: &[&Array1<f64>]| self.frame.reduce(at, fine);
-        self.dictionary
-            .by_part(self.scene, &ids, reduced, |at, values| {
-                let rows = &self.frame.rows[at];
-                let rows = rows[0].start..rows[rows.len() - 1].end;
-                let active = layout.active.iter();
-                let mut tables: Vec<Array2<f64>> = active
-                    .map(|active| Array2::zeros((active.len(), rows.len())))
-                    .collect();
-                for (c, j, values) in values {
-                    let p = layout
-                        .position(j, c)
-                        .expect("a column touches the joints that it names");
-                    tables[j].row_mut(p).assign(&values);
+        let evaluate = |first: usize, take: &mut dyn FnMut(Range<usize>, Values)| {
+            let ids: Vec<usize> = (first..self.dictionary.len()).collect();
+            self.dictionary.by_part(self.scene, &ids, reduced, take);
+        };
+        // Parts that were taken with values from the file: all, if it can be read.
+        let (mut done, mut readable) = (0, false);
+        if let Some(stored) = self.kept.and_then(Kept::stored) {
+            readable = true;
+            evaluate(self.kept.map_or(0, Kept::known), &mut |at, mut values| {
+                readable = readable && stored.part(done).map(|v| values.extend(v)).is_ok();
+                if readable {
+                    tables(at, values);
+                    done += 1;
                 }
-                take(rows, tables);
             });
+        }
+        if readable {
+            return;
+        }
+        let vectors = layout.active.iter().map(Vec::len).sum();
+        let mut storing = self
+            .kept
+            .and_then(|kept| kept.storing(vectors, self.frame.len()));
+        let mut part = 0;
+        evaluate(0, &mut |at, values| {
+            storing = storing
+                .take()
+                .and_then(|mut s| s.add(&values).ok().map(|()| s));
+            if part >= done {
+                tables(at, values);
+            }
+            part += 1;
+        });
+        if let Some((kept, storing)) = self.kept.zip(storing) {
+            kept.take(storing);
+        }
     }
 
     /// Sums of products of all columns and the gap `y` (rows, joints), by fold.

@@ -5,6 +5,8 @@ use crate::catalogue::gear::{Link, links};
 use crate::catalogue::{Candidate, catalogue, told_from_links};
 use crate::motion::frame::Frame;
 use crate::motion::scene::Scene;
+use crate::search::dictionary::Dictionary;
+use crate::search::kept::Kept;
 use crate::simulator::NominalModel;
 use ndarray::Array2;
 use physics::robot::Robot;
@@ -17,6 +19,8 @@ pub struct Session {
     pub links: Vec<Link>,
     /// Candidates that do not depend on the recorded torque.
     pub candidates: Vec<Candidate>,
+    /// Values of these candidates' columns and of the base, with which every dictionary of a search begins.
+    pub kept: Kept,
 }
 
 impl Session {
@@ -37,6 +41,7 @@ impl Session {
         Self {
             present: scene.robot.clone(),
             links,
+            kept: Kept::new(Dictionary::new(scene.dof(), &candidates).len()),
             candidates,
         }
     }

@@ -80,6 +80,7 @@ pub fn with<T>(
         scene: &scene,
         frame,
         weight,
+        kept: Some(&found.session.kept),
     };
     let scanned = |c: &usize| found.candidates[*c].effect != Effect::TorqueRipple;
     ask(&Source {

@@ -92,6 +92,7 @@ fn what_another_trajectory_moved_explains_nothing() {
             scene: &scene,
             frame: data,
             weight: &weight,
+            kept: None,
         };
         let grams = rows.grams(&y);
         let objective = Objective::new(&grams, &frames.scale, &found.settings.search);
