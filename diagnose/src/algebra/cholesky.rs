@@ -83,15 +83,15 @@ impl Cholesky {
     pub fn solve_rows(&self, b: &Array2<f64>) -> Array2<f64> {
         let mut x: Vec<f64> = b.iter().copied().collect();
         self.solve_in_place(&mut x, b.nrows());
-        Array2::from_shape_fn(b.dim(), |(r, i)| x[r * self.scale.len() + i])
+        Array2::from_shape_vec(b.dim(), x).expect("as many values as before")
     }
 
     /// Solves in place for the `count` right-hand sides in `x`, one after the other.
     fn solve_in_place(&self, x: &mut [f64], count: usize) {
         let n = self.scale.len();
         let scaled = |x: &mut [f64]| {
-            for (v, s) in x.iter_mut().zip(self.scale.iter().cycle()) {
-                *v *= s;
+            for own in x.chunks_exact_mut(n.max(1)) {
+                own.iter_mut().zip(&self.scale).for_each(|(v, s)| *v *= s);
             }
         };
         scaled(x);

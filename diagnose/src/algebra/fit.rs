@@ -228,8 +228,10 @@ impl Own {
     fn new(gram: &JointGram, places: &[(usize, usize)]) -> Self {
         let mut xx = Array2::zeros((places.len(), places.len()));
         for (mut row, &(_, p)) in xx.rows_mut().into_iter().zip(places) {
-            let each = row.iter_mut().zip(places);
-            each.for_each(|(x, &(_, r))| *x = gram.xx[[p, r]]);
+            let stored = gram.xx.row(p);
+            for (x, &(_, r)) in row.iter_mut().zip(places) {
+                *x = *stored.get(r).unwrap_or_else(|| &gram.xx[[r, p]]);
+            }
         }
         Self {
             xx,

@@ -40,6 +40,11 @@ impl Symmetric {
         }
     }
 
+    /// Elements of a row up to the diagonal.
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.values[row * (row + 1) / 2..][..=row]
+    }
+
     /// Some of its columns, shape (rows, places).
     pub fn columns(&self, places: &[usize]) -> Array2<f64> {
         Array2::from_shape_fn((self.size, places.len()), |(i, k)| self[[i, places[k]]])

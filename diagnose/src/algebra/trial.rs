@@ -7,7 +7,7 @@
 use crate::algebra::cholesky::Cholesky;
 use crate::algebra::fit::{Fit, Part, Variable, penalty};
 use crate::algebra::gram::JointGram;
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array1, Array2};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -206,8 +206,10 @@ fn mixed(fit: &Fit, gram: &JointGram, joint: usize, columns: &[usize]) -> Array2
     let touching =
         touching.filter_map(|(c, &column)| Some((c, fit.grams.layout.position(joint, column)?)));
     for (c, r) in touching {
-        let own = out.row_mut(c).into_iter().zip(places);
-        own.for_each(|(x, &(_, p))| *x = gram.xx[[r, p]]);
+        let stored = gram.xx.row(r);
+        for (x, &(_, p)) in out.row_mut(c).into_iter().zip(places) {
+            *x = *stored.get(p).unwrap_or_else(|| &gram.xx[[p, r]]);
+        }
     }
     out
 }
@@ -273,7 +275,13 @@ impl OnJoint {
     ) -> Self {
         let (part, gram) = (common.part, common.gram(fit, joint));
         let variables: Vec<usize> = fit.places[joint].iter().map(|p| p.0).collect();
-        let moved = common.moved.select(Axis(1), &variables);
+        // In rows, unlike what `select` gives: products of rows read them in order.
+        let mut moved = Array2::zeros((columns.len(), variables.len()));
+        for (mut own, all) in moved.rows_mut().into_iter().zip(common.moved.rows()) {
+            own.iter_mut()
+                .zip(&variables)
+                .for_each(|(x, &i)| *x = all[i]);
+        }
         let product = moved.dot(&part.own[joint].xx);
         let beta: Array1<f64> = variables.iter().map(|&i| part.beta[i]).collect();
         let (known, fitted) = (moved.dot(&part.correlation[joint]), mixed.dot(&beta));
@@ -307,6 +315,7 @@ impl OnJoint {
 mod tests {
     use super::*;
     use crate::algebra::gram::{Grams, JointGram, Layout};
+    use ndarray::Axis;
     use proptest::prelude::*;
     use std::ops::Range;
 

@@ -244,6 +244,8 @@ mod tests {
     use crate::catalogue::catalogue;
     use crate::motion::frame::Frame;
     use crate::motion::passage::History;
+    use crate::search::kept::Kept;
+    use crate::search::products::Rows;
     use datasets::{PrepareOptions, Recording, Trajectory};
     use ndarray::Array2;
     use physics::effects::EarlySign;
@@ -315,5 +317,20 @@ mod tests {
             parts.push(at);
         });
         assert_eq!((parts, rows), (vec![0..1, 1..2], frame.len()));
+        // What a second search reads is what the first has evaluated, beside columns of its own.
+        let kept = Kept::new(dictionary.len() - 5);
+        let ones = Array2::ones((frame.len(), robot.dof()));
+        let rows = |kept| Rows {
+            dictionary: &dictionary,
+            scene: &scene,
+            frame: &frame,
+            weight: &ones,
+            kept,
+        };
+        let sums = |kept| rows(kept).grams(&ones).total[2].xx.row(700).to_vec();
+        let evaluated = sums(None);
+        assert_eq!(evaluated, sums(Some(&kept)));
+        assert_eq!(kept.known(), dictionary.len() - 5);
+        assert_eq!(evaluated, sums(Some(&kept)));
     }
 }
