@@ -16,6 +16,7 @@ from ._residyn import InputError, Robot
 from .accumulator import Accumulator, Identified, Parameter
 from .compensated import Compensated
 from .diagnosis import Cause, Place, Push, Report, Step, diagnose
+from .learned import Learned
 from .model import Model, Prediction, identify, train
 from .motion import ReplayReport, ReplayStep, replay
 from .recording import Recording
@@ -31,6 +32,7 @@ __all__ = [
     "Compensated",
     "Identified",
     "InputError",
+    "Learned",
     "Model",
     "Parameter",
     "Place",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import weakref
 from typing import TYPE_CHECKING, Optional, Sequence, Union
 
 import numpy as np
@@ -21,6 +22,9 @@ class Compensated:
     computed once per time step, from the positions and velocities of that step and the accelerations of the one before, with the memory of
     the motion that the model has in a control loop. Outside the motion that it was trained on it fades to nothing.
 
+    Every `mujoco.MjData` has a memory of its own, so that one callback serves many copies of the arm. It starts anew where a copy's time goes
+    back, and by `reset`.
+
         simulated = mujoco.MjModel.from_xml_path("arm_identified.xml")
         mujoco.set_mjcb_passive(residyn.Compensated("model", simulated))
     """
@@ -36,32 +40,51 @@ class Compensated:
 
         if simulated.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
             raise InputError("the integrator RK4 evaluates each step four times, and a memory of the motion cannot follow: use implicitfast")
-        #: The model in its control loop, one sample per time step.
-        self.model = Model(directory, period=simulated.opt.timestep)
-        if self.model.compensation is None:
+        self._directory, self._step = directory, simulated.opt.timestep
+        loop = Model(directory, period=self._step)
+        if loop.compensation is None:
             raise InputError(f"{os.fspath(directory)} has no compensator: its physics are all that it knows")
-        names = self.model.joints if joints is None else list(joints)
-        if len(names) != len(self.model.joints):
-            raise InputError(f"{len(names)} joints are named and the model has {len(self.model.joints)}")
+        names = loop.joints if joints is None else list(joints)
+        if len(names) != len(loop.joints):
+            raise InputError(f"{len(names)} joints are named and the model has {len(loop.joints)}")
         found = [mujoco.mj_name2id(simulated, mujoco.mjtObj.mjOBJ_JOINT, name) for name in names]
         missing = [name for name, i in zip(names, found) if i < 0]
         if missing:
             raise InputError(f"the simulation has no joint named {', '.join(missing)}")
         self._qpos, self._dof = simulated.jnt_qposadr[found], simulated.jnt_dofadr[found]
-        self._step = simulated.opt.timestep
-        self._last: Optional[float] = None
-        #: Torque that acts, N·m (N), by joint: against the compensator's.
+        self._loops: "weakref.WeakKeyDictionary[mujoco.MjData, _Loop]" = weakref.WeakKeyDictionary()
+        #: Torque that acts on the copy that was computed last, N·m (N), by joint: against the compensator's.
         self.torque = np.zeros(len(names))
+
+    def reset(self, data: Optional["mujoco.MjData"] = None) -> None:
+        """Forgets the motion of this copy of the arm; None for all."""
+        if data is None:
+            self._loops.clear()
+        else:
+            self._loops.pop(data, None)
 
     def __call__(self, simulated: "mujoco.MjModel", data: "mujoco.MjData") -> None:
         """Adds the torque to `data.qfrc_passive`."""
-        if self._last is not None and data.time < self._last:
+        loop = self._loops.get(data)
+        if loop is None:
+            loop = self._loops[data] = _Loop(Model(self._directory, period=self._step))
+        if loop.last is not None and data.time < loop.last:
             # The simulation was set back.
-            self._last = None
-            self.model.reset()
+            loop.last = None
+            loop.model.reset()
         # MuJoCo asks again within a step, for instance for inverse dynamics.
-        if self._last is None or data.time > self._last + 0.5 * self._step:
-            self._last = data.time
-            self.model.torque(data.qpos[self._qpos], data.qvel[self._dof], data.qacc[self._dof])
-            self.torque = -self.model.compensation
-        data.qfrc_passive[self._dof] += self.torque
+        if loop.last is None or data.time > loop.last + 0.5 * self._step:
+            loop.last = data.time
+            loop.model.torque(data.qpos[self._qpos], data.qvel[self._dof], data.qacc[self._dof])
+            loop.torque = -loop.model.compensation
+        self.torque = loop.torque
+        data.qfrc_passive[self._dof] += loop.torque
+
+
+class _Loop:
+    """The model in the control loop of one copy of the arm, one sample per time step."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.last: Optional[float] = None
+        self.torque: np.ndarray = np.zeros(len(model.joints))

@@ -39,6 +39,10 @@ class Prediction:
     std: np.ndarray
     #: What `eval --json` writes: scores by model and scope, notes.
     report: dict[str, Any]
+    #: Positions, velocities and accelerations that the model saw, low-passed, shape (samples, joints), rad (m) and s.
+    q: np.ndarray
+    qd: np.ndarray
+    qdd: np.ndarray
 
     def plot(self, joints: Optional[Sequence[str]] = None) -> "Figure":
         """Torque over time: of the physics, and of the whole model with its standard deviation, joint by joint. Needs matplotlib.

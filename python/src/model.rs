@@ -3,12 +3,15 @@
 use crate::error::{raise, refused};
 use datasets::{Part, read};
 use feedforward::Feedforward;
-use model::directory::{ModelFile, json};
+use feedforward::inputs::CompensatorRecord;
+use model::directory::{self, ModelFile};
 use model::evaluation::{EvaluateOptions, evaluate, read_options};
 use model::failure::Failure;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use physics::robot::{JointKind, Robot};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde_json::json;
 use std::path::PathBuf;
 
 /// Identified model, as `identify` and `train` write it.
@@ -72,6 +75,16 @@ impl Model {
         Some(PyArray1::from_slice(py, part))
     }
 
+    /// What evaluates the compensator elsewhere, as JSON: its inputs (none without one), the control period and how many of them lie in
+    /// one of training, and the chain behind the load.
+    fn parts(&self) -> PyResult<String> {
+        let model = self.file.physics.model().map_err(refused)?;
+        let record = self.file.compensator.as_ref();
+        let period = self.runtime.period();
+        let turns = record.and_then(|record| feedforward::clock::stride(record.period / period));
+        Ok(parts(model.load_robot(), record, period, turns.unwrap_or(1)).to_string())
+    }
+
     /// Forgets the motion; `clock` is the time on the recordings' clock where it is known, s.
     #[pyo3(signature = (clock=None))]
     fn reset(&mut self, clock: Option<f64>) {
@@ -96,8 +109,12 @@ impl Model {
         });
         let done = done.map_err(raise)?;
         let out = PyDict::new(py);
-        out.set_item("report", json(&done.report))?;
+        out.set_item("report", directory::json(&done.report))?;
         out.set_item("time", done.recording.time.into_pyarray(py))?;
+        let motion = &done.session.parts[0].at_samples;
+        for (name, table) in [("q", &motion.q), ("qd", &motion.qd), ("qdd", &motion.qdd)] {
+            out.set_item(name, table.clone().into_pyarray(py))?;
+        }
         out.set_item("torque", done.torque.into_pyarray(py))?;
         out.set_item("physics", done.physics.into_pyarray(py))?;
         out.set_item("std", done.deviation.into_pyarray(py))?;
@@ -108,4 +125,34 @@ impl Model {
         let (robot, dof) = (&self.file.physics.robot, self.file.joints.len());
         format!("Model({robot:?}, {dof} joints, {:?})", self.directory)
     }
+}
+
+/// Description for [`Model::parts`].
+fn parts(
+    robot: &Robot,
+    record: Option<&CompensatorRecord>,
+    period: f64,
+    turns: usize,
+) -> serde_json::Value {
+    let held = robot.gravity_compensation();
+    let chain = robot.joints().iter().enumerate().map(|(i, joint)| {
+        // Row by row.
+        let rotation: Vec<f64> = joint.rotation.transpose().iter().copied().collect();
+        json!({
+            "name": joint.name,
+            "slides": joint.kind == JointKind::Prismatic,
+            "axis": joint.axis.as_slice(),
+            "rotation": rotation,
+            "translation": joint.translation.as_slice(),
+            "parameters": joint.link.inertia.parameters(),
+            "held": held.get(i).copied().unwrap_or(0.0),
+        })
+    });
+    json!({
+        "inputs": record.map(|record| &record.inputs),
+        "period": period,
+        "turns": turns,
+        "chain": chain.collect::<Vec<_>>(),
+        "gravity": robot.gravity().as_slice(),
+    })
 }

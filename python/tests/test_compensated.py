@@ -69,6 +69,42 @@ def test_its_torque_is_that_of_a_control_loop_over_the_same_motion(trained, pass
         assert np.array_equal(learned.torque, torque[0])
 
 
+def test_each_copy_of_an_arm_has_a_memory_of_its_own(trained, passive):
+    case, folder = trained
+    model = simulated(case, residyn.Model(folder / "model").period)
+    learned, alone = (residyn.Compensated(folder / "model", model) for _ in range(2))
+
+    def copies():
+        made = [mujoco.MjData(model) for _ in range(2)]
+        made[0].qvel[:], made[1].qvel[:] = 0.4, -0.2
+        return made
+
+    # Both in turn by one callback, then each by one that sees no other.
+    pair, apart = copies(), copies()
+    passive(learned)
+    for _ in range(50):
+        for data in pair:
+            mujoco.mj_step(model, data)
+    for data in apart:
+        alone.reset()
+        passive(alone)
+        for _ in range(50):
+            mujoco.mj_step(model, data)
+    assert np.array_equal(pair[0].qpos, apart[0].qpos) and np.array_equal(pair[1].qpos, apart[1].qpos)
+    assert not np.array_equal(pair[0].qpos, pair[1].qpos)
+    # One that is forgotten starts anew, the other goes on.
+    passive(learned)
+    mujoco.mj_forward(model, pair[1])
+    before = learned.torque.copy()
+    learned.reset(pair[0])
+    mujoco.mj_forward(model, pair[0])
+    fresh = residyn.Model(folder / "model")
+    fresh.torque(pair[0].qpos, pair[0].qvel, apart[0].qacc)
+    assert np.array_equal(learned.torque, -fresh.compensation)
+    mujoco.mj_forward(model, pair[1])
+    assert np.array_equal(learned.torque, before)
+
+
 def test_what_it_cannot_do_is_refused(trained):
     case, folder = trained
     model = simulated(case, 0.004)
