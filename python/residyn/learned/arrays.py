@@ -30,7 +30,8 @@ class Arrays:
         if self.device is None:
             return np.asarray(values, dtype)
         if not self.xp.is_tensor(values):
-            values = np.asarray(values)
+            # A copy: torch warns of arrays that cannot be written, such as a file's.
+            values = np.array(values)
         return self.xp.as_tensor(values, dtype=getattr(self.xp, dtype), device=self.device)
 
     def zeros(self, *shape: int, dtype: str = "float64") -> Array:
