@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Installs libresidyn for C and C++ programs: library, headers, residyn.pc and the CMake package. Linux.
 
-usage: install.py --prefix P [--build FOLDER]      FOLDER: where cargo built it, target/release unless given; before:
-                                                   cargo build --release -p residyn-capi
+usage: install.py --prefix P [--build FOLDER]      FOLDER: where cargo built it, release in CARGO_TARGET_DIR or target unless given;
+                                                   before: cargo build --release -p residyn-capi
 """
 import argparse
+import os
 import shutil
 import sys
 import tomllib
@@ -38,7 +39,8 @@ def link(place, target):
 def main(arguments):
     parser = argparse.ArgumentParser(description="Installs libresidyn for C and C++ programs.")
     parser.add_argument("--prefix", type=Path, required=True, metavar="P", help="folder that gets lib/ and include/")
-    parser.add_argument("--build", type=Path, default=HERE.parent / "target/release", metavar="FOLDER", help="where cargo built it")
+    built_here = Path(os.environ.get("CARGO_TARGET_DIR") or HERE.parent / "target") / "release"
+    parser.add_argument("--build", type=Path, default=built_here, metavar="FOLDER", help="where cargo built it")
     given = parser.parse_args(arguments)
     built = {name: given.build / f"libresidyn_c.{name}" for name in ("so", "a")}
     for path in built.values():
