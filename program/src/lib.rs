@@ -1,9 +1,11 @@
-//! What every program has: a version with the commit that it was built from, and options from a file.
+//! What every program has: a version with the commit that it was built from, options from a file, threads and silence.
 #![forbid(unsafe_code)]
 
 mod config;
+mod running;
 
 pub use config::{ConfigError, parse, with_config};
+pub use running::Running;
 
 /// Version of the workspace and, of a program that was built from a checkout, the commit: `0.1.0 (157d66b1c)`.
 pub const VERSION: &str = env!("RESIDYN_VERSION");

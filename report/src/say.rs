@@ -10,6 +10,14 @@ static CLOSED: AtomicBool = AtomicBool::new(false);
 /// Whether standard output is kept for a file.
 static KEPT: AtomicBool = AtomicBool::new(false);
 
+/// Whether nothing but errors and files is printed.
+static SILENT: AtomicBool = AtomicBool::new(false);
+
+/// Prints nothing but errors, warnings and files called `-` from here on.
+pub fn silence() {
+    SILENT.store(true, Ordering::Relaxed);
+}
+
 /// Reserves standard output for a file called `-`: messages to a person go to standard error from here on.
 pub(crate) fn keep_standard_output() {
     KEPT.store(true, Ordering::Relaxed);
@@ -20,6 +28,9 @@ pub(crate) fn keep_standard_output() {
 /// A closed pipe (`… | head`) is the end of the output and no failure: later text is dropped, and the program
 /// goes on to write its files. Any other failure (a full disk) is reported once on standard error.
 pub fn out(text: Arguments) {
+    if SILENT.load(Ordering::Relaxed) {
+        return;
+    }
     if KEPT.load(Ordering::Relaxed) {
         return err(text);
     }
@@ -58,7 +69,8 @@ const SHORT: f64 = 2.0;
 /// What is done or refused at once says no stage.
 pub fn stage(begun: Instant, stage: &str) {
     let passed = begun.elapsed().as_secs_f64();
-    if passed >= SHORT && !std::io::stderr().is_terminal() {
+    let shown = !SILENT.load(Ordering::Relaxed) && !std::io::stderr().is_terminal();
+    if passed >= SHORT && shown {
         err(format_args!("{passed:6.1} s  {stage}\n"));
     }
 }

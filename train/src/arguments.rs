@@ -4,9 +4,9 @@ use crate::doctor::Doctor;
 use crate::estimator::EstimatorArguments;
 use crate::forward::Forward;
 use crate::oracle::Oracle;
-use crate::runtime::Running;
 use crate::study::Study;
 use clap::{Parser, Subcommand, ValueEnum};
+use program::Running;
 use std::path::PathBuf;
 
 /// Identifies a robot's physics from recordings, trains the compensator on what is left, and writes a

@@ -57,8 +57,9 @@ pub fn run_with(
     }
     let tensors = arguments.gpu.then(gpu).transpose();
     let tensors = tensors.map_err(ResidualError::from)?;
-    let threads = arguments.running.threads()?;
-    pool(threads)?.install(|| steps(arguments, cancel, watch, (threads, tensors.as_ref())))
+    let threads = arguments.running.threads();
+    pool(&arguments.running)?
+        .install(|| steps(arguments, cancel, watch, (threads, tensors.as_ref())))
 }
 
 fn steps(

@@ -1,37 +1,9 @@
 //! Threads and interruption.
 
-use clap::Args;
 use model::failure::Failure;
+use program::Running;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// How a command runs, whatever it does.
-#[derive(Clone, Debug, Args)]
-pub struct Running {
-    /// Number of threads; the result does not depend on it [default: all cores].
-    #[arg(long)]
-    pub threads: Option<usize>,
-    /// Print nothing but errors.
-    #[arg(long)]
-    pub quiet: bool,
-}
-
-impl Running {
-    /// The number of threads that was asked for: all cores by default.
-    ///
-    /// # Errors
-    /// None at all.
-    pub fn threads(&self) -> Result<usize, Failure> {
-        let all = || std::thread::available_parallelism().map_or(1, usize::from);
-        match self.threads.unwrap_or_else(all) {
-            0 => Err(Failure::input(
-                "--threads 0: at least one thread is needed",
-                "",
-            )),
-            threads => Ok(threads),
-        }
-    }
-}
 
 /// Flag that is raised by Ctrl-C.
 pub fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
@@ -48,17 +20,12 @@ pub fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
     Ok(cancel)
 }
 
-/// A pool of that many threads. The process's own stays as it is: it may belong to somebody else.
+/// A pool of the threads that were asked for.
 ///
 /// # Errors
 /// The system has no threads left.
-pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
-    /// Stack of a thread of the pool, bytes. It equals the main thread's, since the pool does the main work.
-    const STACK: usize = 8 << 20;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    pool.stack_size(STACK)
-        .build()
-        .map_err(|e| Failure::other(e.to_string()))
+pub fn pool(running: &Running) -> Result<rayon::ThreadPool, Failure> {
+    running.pool().map_err(|e| Failure::other(e.to_string()))
 }
 
 /// Ends a run that was interrupted, with the hint.

@@ -3,6 +3,7 @@
 use clap::builder::PossibleValuesParser;
 use clap::{ArgGroup, Args, Parser, Subcommand};
 use diagnose::settings::Rule;
+use program::Running;
 use std::path::PathBuf;
 use trials::cases::{EFFECTS, GENERATOR};
 
@@ -200,6 +201,9 @@ pub struct Arguments {
     /// too.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Threads and what is printed.
+    #[command(flatten)]
+    pub running: Running,
 }
 
 fn cutoff(text: &str) -> Result<f64, String> {

@@ -17,7 +17,7 @@ use physics::robot::Description;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// The command line, as clap takes it.
 pub fn command() -> clap::Command {
@@ -36,7 +36,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 ExitCode::from(if error.is_input() { 2 } else { 1 })
             }
         },
-        (None, Some(arguments)) => match run(&arguments) {
+        (None, Some(arguments)) => arguments.running.run(|| match run(&arguments) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
                 report::warn!("error: {error}");
@@ -45,7 +45,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 }
                 ExitCode::from(if error.is_input() { 2 } else { 1 })
             }
-        },
+        }),
         (None, None) => {
             report::warn!("error: --robot or --model, --data and --heldout are needed; see --help");
             ExitCode::from(2)
@@ -71,8 +71,7 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         curves_ending(path)?;
     }
     let begun = Instant::now();
-    let spinner = ProgressBar::new_spinner();
-    spinner.enable_steady_tick(Duration::from_millis(200));
+    let spinner = arguments.running.spinner();
     let done = job(arguments).run(|stage| {
         report::say::stage(begun, stage);
         spinner.set_message(stage);

@@ -3,11 +3,11 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use clap::Args;
-use indicatif::ProgressBar;
+use program::Running;
 use replay::{Job, Options, ReplayError};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Arguments of a diagnosis.
 #[derive(Args)]
@@ -51,18 +51,21 @@ pub struct Arguments {
     /// Fit the same effects to the held-out recording itself, too: no values of them leave much less there.
     #[arg(long)]
     ceiling: bool,
+    /// Threads and what is printed.
+    #[command(flatten)]
+    running: Running,
 }
 
 /// Makes the diagnosis that the arguments ask for, prints it and writes its files. Returns the exit status: 2 for input
 /// that cannot be used, 1 for a file that cannot be written.
 pub fn run(arguments: &Arguments) -> ExitCode {
-    match diagnosed(arguments) {
+    arguments.running.run(|| match diagnosed(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             report::warn!("error: {error}");
             ExitCode::from(if error.is_input() { 2 } else { 1 })
         }
-    }
+    })
 }
 
 /// Diagnosis, printed and written to the files that were asked for.
@@ -82,8 +85,7 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
             .ceiling(arguments.ceiling),
     };
     let begun = Instant::now();
-    let spinner = ProgressBar::new_spinner();
-    spinner.enable_steady_tick(Duration::from_millis(200));
+    let spinner = arguments.running.spinner();
     let done = job.run(|stage| {
         report::say::stage(begun, stage);
         spinner.set_message(stage.to_owned());

@@ -1,9 +1,9 @@
 //! Command line of `train doctor`.
 
 use super::outcome::Kind;
-use crate::runtime::Running;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
+use program::Running;
 use std::path::PathBuf;
 
 /// Examines the torque channels of simulated recordings with one fault each, and of healthy ones, and counts what is

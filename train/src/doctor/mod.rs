@@ -23,7 +23,7 @@ const SCHEMA: &str = "doctor/1";
 /// # Errors
 /// The interruption, a simulation without result, or a file that cannot be written.
 pub fn run(arguments: &Doctor, cancel: &AtomicBool) -> Result<(), Failure> {
-    let counted = pool(arguments.running.threads()?)?.install(|| count(arguments, cancel))?;
+    let counted = pool(&arguments.running)?.install(|| count(arguments, cancel))?;
     let figures = Figures {
         schema: SCHEMA,
         seed: arguments.seed,

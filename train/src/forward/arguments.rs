@@ -1,7 +1,7 @@
 //! Command line of `train forward`.
 
-use crate::runtime::Running;
 use clap::Args;
+use program::Running;
 use std::path::PathBuf;
 
 /// Teaches a model the forward task: positions from torque, by solving the identified model for the motion. Writes

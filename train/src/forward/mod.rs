@@ -25,7 +25,7 @@ use std::sync::atomic::AtomicBool;
 /// # Errors
 /// A model or recordings that cannot be used, or the interruption.
 pub fn run(arguments: &Forward, cancel: &AtomicBool) -> Result<(), Failure> {
-    pool(arguments.running.threads()?)?.install(|| steps(arguments, cancel))
+    pool(&arguments.running)?.install(|| steps(arguments, cancel))
 }
 
 fn steps(arguments: &Forward, cancel: &AtomicBool) -> Result<(), Failure> {

@@ -1,7 +1,7 @@
 //! Command line of `train oracle`.
 
-use crate::runtime::Running;
 use clap::Args;
+use program::Running;
 use std::path::PathBuf;
 
 /// For a model that `train` made of a simulated robot: scores of the true plant on the held-out recording, and what the model

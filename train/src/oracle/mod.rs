@@ -23,7 +23,7 @@ use plant::Plant;
 /// # Errors
 /// A model of no simulated robot, or files that cannot be read or written.
 pub fn run(arguments: &Oracle) -> Result<(), Failure> {
-    pool(arguments.running.threads()?)?.install(|| steps(arguments))
+    pool(&arguments.running)?.install(|| steps(arguments))
 }
 
 fn steps(arguments: &Oracle) -> Result<(), Failure> {

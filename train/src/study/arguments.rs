@@ -1,7 +1,7 @@
 //! Command line of `train study`.
 
-use crate::runtime::Running;
 use clap::Args;
+use program::Running;
 use std::path::PathBuf;
 
 /// Reprints the published comparisons on the simulated UR5: Tables 6–8, input sets, timesteps, and

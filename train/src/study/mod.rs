@@ -29,8 +29,8 @@ use trial::Outcome;
 /// # Errors
 /// Data that cannot be simulated or written, or the interruption.
 pub fn run(study: &Study, cancel: &AtomicBool) -> Result<(), Failure> {
-    let threads = study.running.threads()?;
-    pool(threads)?.install(|| steps(study, cancel, threads))
+    let threads = study.running.threads();
+    pool(&study.running)?.install(|| steps(study, cancel, threads))
 }
 
 fn steps(study: &Study, cancel: &AtomicBool, threads: usize) -> Result<(), Failure> {
