@@ -18,6 +18,9 @@ pub struct Command {
     /// The diagnosis.
     #[command(flatten)]
     pub arguments: Option<Arguments>,
+    /// Threads and what is printed.
+    #[command(flatten)]
+    pub running: Running,
 }
 
 /// Jobs beside the diagnosis.
@@ -201,9 +204,6 @@ pub struct Arguments {
     /// too.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Threads and what is printed.
-    #[command(flatten)]
-    pub running: Running,
 }
 
 fn cutoff(text: &str) -> Result<f64, String> {

@@ -14,6 +14,7 @@ use diagnose::settings::Rule;
 use diagnose::{DiagnoseError, Done, Job, Options, SURROGATES, Subject, layouts, patch, words};
 use indicatif::ProgressBar;
 use physics::robot::Description;
+use program::Running;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -36,16 +37,20 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 ExitCode::from(if error.is_input() { 2 } else { 1 })
             }
         },
-        (None, Some(arguments)) => arguments.running.run(|| match run(&arguments) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(error) => {
-                report::warn!("error: {error}");
-                if let Some(hint) = error.hint() {
-                    report::warn!("hint: {hint}");
-                }
-                ExitCode::from(if error.is_input() { 2 } else { 1 })
-            }
-        }),
+        (None, Some(arguments)) => {
+            command
+                .running
+                .run(|| match run(&arguments, &command.running) {
+                    Ok(()) => ExitCode::SUCCESS,
+                    Err(error) => {
+                        report::warn!("error: {error}");
+                        if let Some(hint) = error.hint() {
+                            report::warn!("hint: {hint}");
+                        }
+                        ExitCode::from(if error.is_input() { 2 } else { 1 })
+                    }
+                })
+        }
         (None, None) => {
             report::warn!("error: --robot or --model, --data and --heldout are needed; see --help");
             ExitCode::from(2)
@@ -53,7 +58,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
+fn run(arguments: &Arguments, running: &Running) -> Result<(), DiagnoseError> {
     let outputs = [
         &arguments.json,
         &arguments.html,
@@ -71,7 +76,7 @@ fn run(arguments: &Arguments) -> Result<(), DiagnoseError> {
         curves_ending(path)?;
     }
     let begun = Instant::now();
-    let spinner = arguments.running.spinner();
+    let spinner = running.spinner();
     let done = job(arguments).run(|stage| {
         report::say::stage(begun, stage);
         spinner.set_message(stage);

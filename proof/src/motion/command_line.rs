@@ -4,6 +4,7 @@
 use super::{MotionError, Score, calibration, diagnosis, kinds, misses, prove, rates, score};
 use clap::{CommandFactory, Parser, Subcommand};
 use indicatif::ProgressBar;
+use program::Running;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -19,6 +20,9 @@ struct Command {
     /// The diagnosis.
     #[command(flatten)]
     arguments: Option<diagnosis::Arguments>,
+    /// Threads and what is printed.
+    #[command(flatten)]
+    running: Running,
 }
 
 #[derive(Subcommand)]
@@ -67,7 +71,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 })
             }
         },
-        (None, Some(arguments)) => diagnosis::run(&arguments),
+        (None, Some(arguments)) => diagnosis::run(&arguments, &command.running),
         (None, None) => {
             report::warn!("error: --robot, --data and --heldout are needed; see --help");
             ExitCode::from(2)

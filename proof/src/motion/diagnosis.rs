@@ -51,15 +51,12 @@ pub struct Arguments {
     /// Fit the same effects to the held-out recording itself, too: no values of them leave much less there.
     #[arg(long)]
     ceiling: bool,
-    /// Threads and what is printed.
-    #[command(flatten)]
-    running: Running,
 }
 
 /// Makes the diagnosis that the arguments ask for, prints it and writes its files. Returns the exit status: 2 for input
 /// that cannot be used, 1 for a file that cannot be written.
-pub fn run(arguments: &Arguments) -> ExitCode {
-    arguments.running.run(|| match diagnosed(arguments) {
+pub fn run(arguments: &Arguments, running: &Running) -> ExitCode {
+    running.run(|| match diagnosed(arguments, running) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             report::warn!("error: {error}");
@@ -69,7 +66,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
 }
 
 /// Diagnosis, printed and written to the files that were asked for.
-fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
+fn diagnosed(arguments: &Arguments, running: &Running) -> Result<(), ReplayError> {
     let outputs = [&arguments.json, &arguments.html, &arguments.patch];
     report::write::prepare(outputs.into_iter().flatten())?;
     let job = Job {
@@ -85,7 +82,7 @@ fn diagnosed(arguments: &Arguments) -> Result<(), ReplayError> {
             .ceiling(arguments.ceiling),
     };
     let begun = Instant::now();
-    let spinner = arguments.running.spinner();
+    let spinner = running.spinner();
     let done = job.run(|stage| {
         report::say::stage(begun, stage);
         spinner.set_message(stage.to_owned());
