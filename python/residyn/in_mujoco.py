@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import xml.etree.ElementTree as xml
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Optional, Sequence, Union
+from typing import Mapping, Optional, Sequence, Union
 
 import numpy as np
 
@@ -33,10 +34,15 @@ class Row:
     joints: tuple[float, ...]
     #: Part of the samples that are away from reversals, mean over joints.
     share: float
+    #: Joints without a figure, left out of both means: no sample of theirs is away from reversals, or their torque never changes.
+    left_out: tuple[str, ...] = ()
 
 
 class Simulated:
-    """An MJCF's named joints in MuJoCo, with what generated code adds; the rest of the scene stands still at its reference."""
+    """Named joints of an MJCF or URDF in MuJoCo, with what generated code adds; the rest of the scene stands still at its reference.
+
+    `rotors`: rotor inertia by joint, kg·m² (kg), of a URDF, which cannot hold it.
+    """
 
     def __init__(
         self,
@@ -44,10 +50,14 @@ class Simulated:
         joints: Sequence[str],
         code: Union[str, os.PathLike, None] = None,
         clock: Optional[float] = None,
+        rotors: Optional[Mapping[str, float]] = None,
     ) -> None:
         import mujoco
 
-        self.model = mujoco.MjModel.from_xml_path(os.fspath(model))
+        try:
+            self.model = mujoco.MjModel.from_xml_path(os.fspath(model))
+        except ValueError as error:
+            raise InputError(f"MuJoCo cannot load {os.fspath(model)}: {error}") from None
         # What touches in a scene without its environment is no torque of the arm's own, and neither is a servo's.
         off = mujoco.mjtDisableBit
         self.model.opt.disableflags |= off.mjDSBL_CONTACT | off.mjDSBL_LIMIT | off.mjDSBL_ACTUATION
@@ -60,6 +70,10 @@ class Simulated:
         self.still = np.setdiff1d(np.arange(self.model.nq), self.qpos)
         self.rest = np.setdiff1d(np.arange(self.model.nv), self.dof)
         self.data = mujoco.MjData(self.model)
+        if rotors is not None:
+            self.model.dof_armature[self.dof] = [rotors[name] for name in joints]
+            # Constants of the solver go by inertia: with the old ones friction of a light joint never comes to its limit.
+            mujoco.mj_setConst(self.model, self.data)
         #: The generated callback; `memory` after each sample of the last inverse dynamics.
         self.effects = None if code is None else _module(code).Effects(self.model, clock)
         self.memory: list = []
@@ -150,6 +164,22 @@ def _starts(time: np.ndarray) -> list[tuple[int, int]]:
     return starts
 
 
+def is_urdf(path: Union[str, os.PathLike]) -> bool:
+    """Whether a description's outermost element is a URDF's."""
+    try:
+        with open(path, "rb") as file:
+            return next(xml.iterparse(file, events=("start",)))[1].tag == "robot"
+    except (OSError, xml.ParseError, StopIteration) as error:
+        raise InputError(f"{os.fspath(path)}: {error}") from None
+
+
+def rotor_inertias(values: Union[str, os.PathLike]) -> tuple[dict[str, float], dict[str, float]]:
+    """Rotor inertia by joint, kg·m² (kg), as given and as corrected, from a patch's table of values."""
+    rows = [line.split("\t") for line in Path(values).read_text(encoding="utf-8").splitlines()]
+    own = [row for row in rows if len(row) == 8 and row[5] == "armature"]
+    return {row[0]: float(row[2]) for row in own}, {row[0]: float(row[3]) for row in own}
+
+
 def _module(path: Union[str, os.PathLike]):
     """A generated file, as a module."""
     spec = importlib.util.spec_from_file_location(Path(path).stem, path)
@@ -175,7 +205,9 @@ def verify(
 ) -> list[Row]:
     """The model as given, patched and, where there is generated code, patched with that along the report's held-out motion;
     `written` are the paths that `Report.patch` returned. Without `rollouts` there is no drift. A report of `replay` is refused: its
-    commands are replayed by `residyn.verify_replay.verify`."""
+    commands are replayed by `residyn.verify_replay.verify`.
+
+    A URDF holds no rotor inertia: those of the table of values among `written` are set in MuJoCo."""
     if isinstance(report, ReplayReport):
         raise InputError(
             "the report is one of replay, which compares motion and has no torque\n"
@@ -184,17 +216,30 @@ def verify(
     motion = report.motion()
     time = motion["time"]
     code = next((p for p in written if str(p).endswith("_mujoco.py")), None)
-    models = [("as given", given, None, "given"), ("patched", written[0], None, "explained")]
+    before, after = None, None
+    if is_urdf(written[0]):
+        table = next((p for p in written if str(p).endswith(".values.tsv")), None)
+        if table is None:
+            raise InputError("a URDF holds no rotor inertia, and the table of values is not among the written files\npass all that `patch` has returned")
+        before, after = rotor_inertias(table)
+    models = [("as given", given, None, "given", before), ("patched", written[0], None, "explained", after)]
     if code is not None:
-        models.append(("patched with code", written[0], code, "explained"))
+        models.append(("patched with code", written[0], code, "explained", after))
     clock = 0.0 if motion["clock_known"] else None
-    simulated = [Simulated(path, report.joints, code, clock) for _, path, code, _ in models]
+    simulated = [Simulated(path, report.joints, code, clock, rotors) for _, path, code, _, rotors in models]
     torques = [s.along(report) for s in simulated]
     away = np.logical_and.reduce([np.abs(motion["qd"]) > AWAY, *(s.slides for s in simulated)])
     rows = []
-    for (name, _, _, own), one, torque in zip(models, simulated, torques):
+    for (name, _, _, own, _), one, torque in zip(models, simulated, torques):
         joints = nrmse(motion["tau"], torque, away)
         said = nrmse(motion["tau"], motion[own], away)
         drift = one.drift(time, motion["q"], motion["qd"], motion["tau"]) if rollouts else float("nan")
-        rows.append(Row(name, float(np.nanmean(joints)), float(np.nanmean(said)), drift, tuple(joints), float(away.mean())))
+        left_out = tuple(joint for joint, figure in zip(report.joints, joints) if np.isnan(figure))
+        rows.append(Row(name, _mean(joints), _mean(said), drift, tuple(map(float, joints)), float(away.mean()), left_out))
     return rows
+
+
+def _mean(figures: np.ndarray) -> float:
+    """Over the joints that have a figure; NaN where none has."""
+    judged = figures[~np.isnan(figures)]
+    return float(judged.mean()) if judged.size else float("nan")

@@ -26,6 +26,8 @@ def table(rows: Sequence[Row]) -> str:
     lines = [f"{'NRMSE off reversals':<22}{'MuJoCo':>10}{'report':>10}{f'off after {ROLLOUT} s':>18}"]
     lines += [f"{row.model:<22}{row.mujoco:>10.4f}{row.report:>10.4f}{row.drift:>18.4f}" for row in rows]
     lines.append(f"of {100 * rows[0].share:.0f} % of the samples: faster than {AWAY} rad/s, MuJoCo's friction at its limit")
+    if rows[0].left_out:
+        lines.append(f"left out of the means, since no such sample is theirs or their torque never changes: {', '.join(rows[0].left_out)}")
     return "\n".join(lines)
 
 
@@ -49,7 +51,7 @@ def names(text: str) -> list[str]:
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m residyn.verify", description=__doc__.splitlines()[0])
-    parser.add_argument("--robot", help="MJCF")
+    parser.add_argument("--robot", help="MJCF or URDF; of a URDF, what it cannot hold (rotor inertia) is set in MuJoCo")
     parser.add_argument("--joints", default="", help="joints of the arm, base first, where a scene holds more: a,b,c")
     parser.add_argument("--data", nargs="+", help="recordings that effects are fitted on")
     parser.add_argument("--heldout", help="recording that is scored")
@@ -60,7 +62,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument("--seed", type=int, default=1, help="of --table: seed of the simulated robots")
     parser.add_argument("--replay", action="store_true", help="replay the commands of --data in MuJoCo: --robot is the corrected MJCF")
     parser.add_argument("--given", help="of --replay: MJCF as it was, for comparison")
-    parser.add_argument("--drive", help="of --replay: drive file with the block [controller], in place of the model's actuators")
+    parser.add_argument("--drive", help="drive file: of the recordings' columns and units; of --replay, its block [controller] stands in place of the model's actuators")
     parser.add_argument("--report", help="of --replay: JSON of `replay`, whose figures stand beside MuJoCo's and whose delays shift the commands")
     parser.add_argument("--step", type=float, default=1e-3, help="of --replay: time step beside the file's own, s")
     given = parser.parse_args(arguments)
@@ -72,13 +74,15 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     missing = [name for name, value in needed.items() if value is None]
     if missing and not given.table and not given.replay:
         parser.error(f"{', '.join(missing)}, --table or --replay: needed")
+    if given.table and given.drive is not None:
+        parser.error("--table has simulated robots, without a drive file: leave --drive out")
     try:
         if given.replay:
             return verify_replay.main(given)
         if given.table:
             with tempfile.TemporaryDirectory() as folder:
                 return 0 if by_effect(names(given.effects), given.seed, folder) else 1
-        robot = Robot(given.robot, joints=names(given.joints))
+        robot = Robot(given.robot, joints=names(given.joints), drive=given.drive)
         report = diagnose(robot, given.data, given.heldout, fast=given.fast)
         print(report)
         written = report.patch(given.patch)

@@ -110,6 +110,46 @@ def test_generated_code_closes_what_no_parameter_does(tmp_path):
         np.testing.assert_allclose(a, b.numpy(), atol=1e-12)
 
 
+def test_a_urdf_is_verified_with_its_rotor_inertia(tmp_path):
+    """A URDF cannot hold what was found: MuJoCo gets it from the table of values, and its solver constants that go by it."""
+    case = residyn._residyn.simulate_case("rotor_inertia", 1, tmp_path)
+    report = residyn.diagnose(str(case / "robot.urdf"), case / "train.parquet", case / "test.parquet", fast=True)
+    assert "rotor_inertia" in [c.effect for c in report.causes], str(report)
+    written = report.patch(tmp_path / "fixed.urdf")
+    before, after = in_mujoco.rotor_inertias(tmp_path / "fixed.values.tsv")
+    assert list(after) == report.joints and after != before
+    loaded = in_mujoco.Simulated(written[0], report.joints, rotors=after).model
+    again = mujoco.MjModel.from_xml_path(str(written[0]))
+    assert np.array_equal(loaded.dof_armature, list(after.values()))
+    assert (loaded.dof_invweight0 < again.dof_invweight0).any()
+    given, patched, *_ = rows = verify.verify(report, case / "robot.urdf", written)
+    print(f"\nURDF\n{verify.table(rows)}")
+    assert given.mujoco == pytest.approx(given.report, rel=0.05)
+    assert patched.mujoco == pytest.approx(patched.report, rel=0.05)
+    assert "left out" not in verify.table(rows)
+    # Without the table nobody knows the rotors.
+    with pytest.raises(residyn.InputError, match="table of values"):
+        verify.verify(report, case / "robot.urdf", written[:1])
+    with pytest.raises(residyn.InputError, match="MuJoCo cannot load"):
+        (tmp_path / "bad.xml").write_text("<mujoco><worldbody><geom/></mujoco>")
+        in_mujoco.Simulated(tmp_path / "bad.xml", report.joints)
+
+
+def test_a_joint_without_a_figure_is_named():
+    row = in_mujoco.Row("as given", 0.1, 0.1, 0.0, (0.1, float("nan")), 0.5, ("wrist",))
+    assert verify.table([row]).splitlines()[-1].endswith("never changes: wrist")
+    assert np.isnan(in_mujoco._mean(np.array([np.nan]))) and in_mujoco._mean(np.array([0.5, np.nan])) == 0.5
+
+
+def test_a_drive_file_is_read_in_every_mode_that_has_recordings(tmp_path, capsys):
+    missing = str(tmp_path / "none.toml")
+    given = ["--robot", str(MODEL), "--data", "a.csv", "--heldout", "b.csv", "--patch", "c.xml", "--drive", missing]
+    assert verify.main(given) == 2
+    assert "none.toml" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        verify.main(["--table", "--drive", missing])
+
+
 def test_wrong_joints_are_named():
     with pytest.raises(residyn.InputError, match="no joint named elbow_2"):
         in_mujoco.Simulated(MODEL, ["elbow_2"])
