@@ -96,7 +96,7 @@ class Accumulator:
 
     def add(self, recording: RecordingLike) -> "Accumulator":
         """Adds a recording with torque; where it cannot be used that is raised and nothing changes."""
-        with paths(recording) as (path,):
+        with paths(recording=recording) as (path,):
             self._inner.add(path)
         return self
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _residyn, plots
 from .model import Model
-from .recording import RecordingLike, paths, several
+from .recording import Files, RecordingLike, paths, several
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -120,22 +120,23 @@ class Report:
     #: Everything, as `diagnose --json` writes it.
     raw: dict[str, Any] = field(repr=False)
     _diagnosis: _residyn.Diagnosis = field(repr=False, compare=False)
+    _files: Files = field(repr=False, compare=False)
     #: What `patch` has written, the description first; the page names it.
     _written: list[Path] = field(default_factory=list, repr=False, compare=False)
 
     def __str__(self) -> str:
-        return "\n".join(self._diagnosis.lines())
+        return self._files.named("\n".join(self._diagnosis.lines()))
 
     def to_html(self, path: Union[str, os.PathLike, None] = None) -> str:
         """The page of the report; written to `path` where one is given."""
-        text = self._diagnosis.html(self._written)
+        text = self._files.named(self._diagnosis.html(self._written))
         if path is not None:
             Path(path).write_text(text, encoding="utf-8")
         return text
 
     def _repr_html_(self) -> str:
         """In a notebook: the page in a frame of its own."""
-        return framed(self._diagnosis.html(self._written))
+        return framed(self._files.named(self._diagnosis.html(self._written)))
 
     def plot(self, joints: Optional[Sequence[str]] = None) -> "Figure":
         """Torque over time of the held-out recording: measured, as given, corrected, joint by joint. Needs matplotlib.
@@ -197,7 +198,7 @@ def diagnose(
     learn: also train a compensator, and say how much of the rest of the gap it would close
     next_motion: also plan the motion that tells ambiguous causes apart, for `Report.next_motion`
 
-    Raises `InputError` with the words of the command line; Ctrl-C returns at once.
+    Raises `InputError` with the words of the command line, options as keywords; Ctrl-C returns at once.
     """
     if isinstance(given, (str, os.PathLike)):
         given = _residyn.Robot(os.fspath(given))
@@ -205,26 +206,25 @@ def diagnose(
     model = None if robot is not None else given.directory
     if robot is not None and drive is None:
         drive = robot.drive
-    before, data = several(before), several(data)
+    before, data = several(before, "before", least=0), several(data, "data")
     if before and robot is None:
         raise _residyn.InputError("before needs a Robot: its lengths and axes")
     if heldout is None and not before:
         raise _residyn.InputError("heldout is needed: a recording that is not in data")
-    held = [] if heldout is None else [heldout]
-    with paths(*before, *data, *held) as files:
+    with paths(before=before, data=data, heldout=heldout) as files:
         done = _residyn.diagnose(
             robot,
             model,
             files[: len(before)],
             files[len(before) : len(before) + len(data)],
-            files[-1] if held else None,
+            None if heldout is None else files[-1],
             drive=None if drive is None else Path(drive),
             cutoff_hz=cutoff_hz,
             fast=fast,
             learn=learn,
             next_motion=next_motion,
         )
-    raw = json.loads(done.json())
+    raw = files.named(json.loads(done.json()))
     return Report(
         verdict=raw["verdict"],
         reason=raw.get("reason"),
@@ -235,6 +235,7 @@ def diagnose(
         notes=raw["notes"],
         raw=raw,
         _diagnosis=done,
+        _files=files,
     )
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Callable, Literal, Optional, Sequence, Ty
 import numpy as np
 
 from . import _residyn, plots
-from .recording import RecordingLike, paths, several
+from .recording import Recording, RecordingLike, paths, several
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,7 +60,10 @@ class Prediction:
         for row in self.report["rows"]:
             if row["name"] == wanted and row["scope"] == scope:
                 return row["nrmse"]
-        raise KeyError(f"no scores of {wanted!r} over {scope!r}: was torque recorded?")
+        if not self.report["rows"]:
+            raise KeyError("no scores: the recording has no torque, or its columns are named by a drive file that `predict` was not given (drive=)")
+        scopes = list(dict.fromkeys(row["scope"] for row in self.report["rows"]))
+        raise KeyError(f"no scores of {wanted!r} over {scope!r}: there are {', '.join(dict.fromkeys(names))}, over {', '.join(scopes)}")
 
 
 class Model:
@@ -69,6 +72,8 @@ class Model:
     def __init__(self, directory: Union[str, os.PathLike], *, period: Optional[float] = None) -> None:
         """`period`: of the control loop that calls `torque`, s (default: that of training)."""
         self._inner = _residyn.Model(Path(directory), period=period)
+        #: Drive file of the robot that it was trained for in this session.
+        self._drive: Optional[Path] = None
 
     @property
     def directory(self) -> Path:
@@ -106,11 +111,16 @@ class Model:
         drive: Union[str, os.PathLike, None] = None,
         cutoff_hz: Optional[float] = None,
     ) -> Prediction:
-        """Torque over a recording, with scores where it has measured torque: what `eval` computes."""
-        with paths(recording) as (path,):
-            drive = None if drive is None else Path(drive)
-            found = self._inner.evaluate(path, drive, cutoff_hz)
-        found["report"] = json.loads(found["report"])
+        """Torque over a recording, with scores where it has measured torque: what `eval` computes.
+
+        drive: drive file that says how the recording's columns are named (default: of a model that `identify` or `train` has returned, that
+            of the robot; a model directory does not hold it). Arrays (`Recording`) are in SI units, without it.
+        """
+        if drive is None and not isinstance(recording, Recording):
+            drive = self._drive
+        with paths(recording=recording) as files:
+            found = self._inner.evaluate(files[0], None if drive is None else Path(drive), cutoff_hz)
+        found["report"] = files.named(json.loads(found["report"]))
         return Prediction(**found)
 
     def __repr__(self) -> str:
@@ -180,7 +190,7 @@ def identify(
     heldout: recording that is scored and nothing else
     options: see `Options`; an option that is None is left at its default
 
-    Raises `InputError` with the words of the command line; Ctrl-C stops it.
+    Raises `InputError` with the words of the command line, options as keywords; Ctrl-C stops it.
     """
     return _trained(robot, data, out, heldout, None, {"physics_only": True}, options)
 
@@ -246,11 +256,12 @@ def _trained(
             arguments.append(flag)
         elif value is not None and value is not False:
             arguments.append(f"{flag}={value}")
-    data = several(data)
-    extra = [] if heldout is None else [heldout]
-    with paths(*data, *extra) as files:
+    data = several(data, "data")
+    with paths(data=data, heldout=heldout) as files:
         arguments += ["--data", *map(os.fspath, files[: len(data)])]
-        if extra:
+        if heldout is not None:
             arguments += ["--heldout", os.fspath(files[-1])]
         _residyn.train(arguments, progress)
-    return Model(out)
+    model = Model(out)
+    model._drive = robot.drive
+    return model

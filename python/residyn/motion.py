@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _residyn, plots
 from .diagnosis import Cause, Place, framed
-from .recording import RecordingLike, paths, several
+from .recording import Files, RecordingLike, paths, several
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,22 +61,23 @@ class ReplayReport:
     #: Everything, as `replay --json` writes it.
     raw: dict[str, Any] = field(repr=False)
     _replay: _residyn.Replay = field(repr=False, compare=False)
+    _files: Files = field(repr=False, compare=False)
     #: What `patch` has written, the model first; the page names it.
     _written: list[Path] = field(default_factory=list, repr=False, compare=False)
 
     def __str__(self) -> str:
-        return "\n".join(self._replay.lines())
+        return self._files.named("\n".join(self._replay.lines()))
 
     def to_html(self, path: Union[str, os.PathLike, None] = None) -> str:
         """The page of the report; written to `path` where one is given."""
-        text = self._replay.html(self._written)
+        text = self._files.named(self._replay.html(self._written))
         if path is not None:
             Path(path).write_text(text, encoding="utf-8")
         return text
 
     def _repr_html_(self) -> str:
         """In a notebook: the page in a frame of its own."""
-        return framed(self._replay.html(self._written))
+        return framed(self._files.named(self._replay.html(self._written)))
 
     def plot(self, joints: Optional[Sequence[str]] = None) -> "Figure":
         """Position over time of the held-out recording: command, measured, as given, corrected, joint by joint. Needs matplotlib.
@@ -124,16 +125,16 @@ def replay(
     fast: measure the causes' shares by shorter fits
     ceiling: fit the same effects to `heldout` itself, too (`raw["ceiling"]`)
 
-    Raises `InputError` with the words of the command line; Ctrl-C returns at once.
+    Raises `InputError` with the words of the command line, options as keywords; Ctrl-C returns at once.
     """
     drive = None if drive is None else Path(drive)
     if isinstance(given, (str, os.PathLike)):
         given = _residyn.Robot(os.fspath(given), drive=drive)
-    data, before = several(data), several(before)
-    with paths(*data, *before, heldout) as files:
+    data, before = several(data, "data"), several(before, "before", least=0)
+    with paths(data=data, before=before, heldout=heldout) as files:
         earlier = files[len(data) : -1]
         done = _residyn.replay(given, files[: len(data)], files[-1], before=earlier, drive=drive or given.drive, fast=fast, ceiling=ceiling)
-    raw = json.loads(done.json())
+    raw = files.named(json.loads(done.json()))
     return ReplayReport(
         verdict=raw["verdict"],
         reason=raw.get("reason"),
@@ -147,4 +148,5 @@ def replay(
         notes=raw["notes"],
         raw=raw,
         _replay=done,
+        _files=files,
     )

@@ -7,11 +7,12 @@ import os
 import tempfile
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Iterator, Optional, Protocol, Sequence, Union
+from typing import Any, Iterable, Iterator, Mapping, Optional, Protocol, Sequence, Union
 
 import numpy as np
 
 from . import _residyn
+from .said import in_python
 
 
 class Frame(Protocol):
@@ -68,6 +69,21 @@ class Recording:
         keep(self, "labels", tuple(str(label) for label in labels))
         if len(self.labels) != len(self.starts):
             raise _residyn.InputError(f"{len(self.starts)} starts and {len(self.labels)} labels")
+        self._fits()
+
+    def _fits(self) -> None:
+        """Refuses tables that are not of one shape, and starts that are no rows."""
+        shape = (len(self.time), self.q.shape[1])
+        for name in _TABLES:
+            table = getattr(self, name)
+            if table is None or table.shape == shape:
+                continue
+            if len(table) != shape[0]:
+                turned = f"\ntranspose it: {name}.T" if table.shape[1] == shape[0] else ""
+                raise _residyn.InputError(f"{name} has the shape {table.shape} and time {self.time.shape}: one row per sample is needed{turned}")
+            raise _residyn.InputError(f"{name} has the shape {table.shape} and q {self.q.shape}: one column per joint is needed")
+        if self.starts[:1] != (0,) or not all(a < b for a, b in zip(self.starts, [*self.starts[1:], shape[0]])):
+            raise _residyn.InputError(f"starts are {list(self.starts)}: rows below {shape[0]} that increase from 0 are needed")
 
     def __len__(self) -> int:
         return len(self.time)
@@ -109,21 +125,70 @@ def _frozen(table: np.ndarray, dimensions: int, name: str) -> np.ndarray:
     return table
 
 
+class Files(list[Path]):
+    """Paths of recordings, and the names of those that are temporary files."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: dict[str, str] = {}
+
+    def said(self, text: str) -> str:
+        """`text` with the names of the arguments in the place of temporary files."""
+        return in_python(text, self.names)
+
+    def named(self, raw: Any) -> Any:
+        """What a report's JSON, text or page holds, with those names."""
+        if isinstance(raw, dict):
+            return {key: self.named(value) for key, value in raw.items()}
+        if isinstance(raw, list):
+            return [self.named(value) for value in raw]
+        if isinstance(raw, str):
+            for path, name in self.names.items():
+                # A page has its slashes as character references.
+                raw = raw.replace(path, name).replace(path.replace("/", "&#x2f;"), name)
+        return raw
+
+
 @contextlib.contextmanager
-def paths(*recordings: RecordingLike) -> Iterator[list[Path]]:
-    """Paths of recordings: their own, or of files that last as long as the context."""
+def paths(**arguments: Union[RecordingLike, Sequence[RecordingLike], None]) -> Iterator[Files]:
+    """Paths of recordings by argument, in order: their own, or of files that last as long as the context.
+
+    What is raised within speaks of arguments (`data[1]`, `heldout`) and keywords. An argument that is None is none.
+    """
     with tempfile.TemporaryDirectory(prefix="residyn-") as folder:
-        out = []
-        for number, one in enumerate(recordings):
-            if isinstance(one, Recording):
-                out.append(one.source or Path(folder) / f"arrays-{number + 1}.parquet")
-                if one.source is None:
-                    one.write(out[-1])
-            elif is_frame(one):
-                out.append(_written(one, Path(folder) / f"frame-{number + 1}"))
-            else:
-                out.append(Path(one))
-        yield out
+        out = Files()
+        for argument, given in arguments.items():
+            for name, one in _called(argument, given):
+                out.append(_path(one, Path(folder) / f"{argument}-{len(out) + 1}", name))
+                if out[-1].parent == Path(folder):
+                    out.names[str(out[-1])] = name
+        try:
+            yield out
+        except (_residyn.InputError, RuntimeError) as error:
+            raise type(error)(out.said(str(error))) from None
+
+
+def _called(argument: str, given: Union[RecordingLike, Sequence[RecordingLike], None]) -> list[tuple[str, RecordingLike]]:
+    """Recordings of an argument, and what each is called."""
+    if given is None:
+        return []
+    if _is_one(given):
+        return [(argument, given)]
+    return [(f"{argument}[{i}]" if len(given) > 1 else argument, one) for i, one in enumerate(given)]
+
+
+def _path(one: RecordingLike, stem: Path, name: str) -> Path:
+    """A recording's own path, or that of a new file."""
+    if isinstance(one, Recording):
+        if one.source is not None:
+            return one.source
+        one.write(stem.with_suffix(".parquet"))
+        return stem.with_suffix(".parquet")
+    if is_frame(one):
+        return _written(one, stem)
+    if isinstance(one, (str, os.PathLike)):
+        return Path(one)
+    raise _residyn.InputError(f"{name} is of type {type(one).__name__}: a path, a residyn.Recording, or a frame of pandas or polars is needed")
 
 
 def is_frame(data: Any) -> bool:
@@ -147,6 +212,16 @@ def _written(frame: Any, stem: Path) -> Path:
     return parquet
 
 
-def several(data: Union[RecordingLike, Sequence[RecordingLike]]) -> list[RecordingLike]:
-    """One recording or several, as a list."""
-    return [data] if isinstance(data, (str, os.PathLike, Recording)) or is_frame(data) else list(data)
+def _is_one(data: Any) -> bool:
+    """Whether it is one recording, and not several."""
+    return isinstance(data, (str, os.PathLike, Recording)) or is_frame(data)
+
+
+def several(data: Union[RecordingLike, Sequence[RecordingLike]], name: str, least: int = 1) -> list[RecordingLike]:
+    """One recording or several of the argument `name`, as a list of at `least` so many."""
+    if not _is_one(data) and (not isinstance(data, Iterable) or isinstance(data, Mapping)):
+        raise _residyn.InputError(f"{name} is of type {type(data).__name__}: a recording or a list of recordings is needed")
+    given = [data] if _is_one(data) else list(data)
+    if len(given) < least:
+        raise _residyn.InputError(f"{name} is empty: at least one recording is needed")
+    return given

@@ -48,9 +48,71 @@ def test_a_frame_is_as_good_as_its_file(library, raw, tmp_path):
     # One frame is one recording, a list of them several.
     twice = residyn.identify(raw / "robot.urdf", [fitted, held], tmp_path / "both", basic=True)
     assert not np.array_equal(twice.predict(held).torque, b)
-    with pytest.raises(residyn.InputError, match="q1"):
+    # What is wrong is said of the argument, not of a file that is gone.
+    with pytest.raises(residyn.InputError, match=r"^data\[1\]: column `q1`"):
         missing = fitted.drop(columns="q1") if library == "pandas" else fitted.drop("q1")
-        residyn.identify(raw / "robot.urdf", missing, tmp_path / "bad", basic=True)
+        residyn.identify(raw / "robot.urdf", [fitted, missing], tmp_path / "bad", basic=True)
+    with pytest.raises(residyn.InputError, match=r"^recording, row 8 \(index 7\), column `q2`"):
+        broken = held.to_pandas() if library == "polars" else held.copy()
+        broken.loc[7, "q2"] = np.nan
+        by_frame.predict(broken if library == "pandas" else frames.from_pandas(broken))
+
+
+def test_a_report_speaks_of_arguments(case):
+    frames = pytest.importorskip("pandas", reason="PyPI pandas is not installed: frames are not read")
+    read = {name: residyn.Recording.read(case / f"{name}.parquet") for name in ("train", "test")}
+    tables = {}
+    for name, one in read.items():
+        columns = {f"{key}{j + 1}": getattr(one, key)[:, j] for key in ("q", "tau") for j in range(one.dof)}
+        columns["tau2"] = -columns["tau2"]
+        ends = [*one.starts[1:], len(one)]
+        tables[name] = frames.DataFrame({"time": one.time, "trajectory": np.repeat(one.labels, np.subtract(ends, one.starts)), **columns})
+    report = residyn.diagnose(case / "robot.urdf", tables["train"], tables["test"], fast=True)
+    assert [r["source"] for r in report.raw["recordings"]] == ["data", "heldout"]
+    for text in (str(report), report.to_html(), report._repr_html_()):
+        assert re.findall(r"residyn-\w{8}.{9}", text) == []
+    assert "In data: " in str(report) and "In heldout: " in str(report)
+
+
+def test_a_model_predicts_by_the_drive_file_that_it_was_trained_with(raw, tmp_path):
+    frames = pytest.importorskip("pandas", reason="PyPI pandas is not installed: frames are not read")
+    fitted, held = (frames.read_csv(raw / f"{name}.csv") for name in ("train", "test"))
+    joints = [name for name in fitted.columns if re.fullmatch(r"tau\d+", name)]
+    drive = tmp_path / "drive.toml"
+    names = "\n".join(f'{name} = "current_{name[3:]}"' for name in joints)
+    drive.write_text(f"torque_scale = {[2.0] * len(joints)}\n[columns]\n{names}\n")
+    renamed = [table.rename(columns={n: f"current_{n[3:]}" for n in joints}) for table in (fitted, held)]
+    for table in renamed:
+        table[[f"current_{n[3:]}" for n in joints]] /= 2.0
+    robot = residyn.Robot(str(raw / "robot.urdf"), drive=drive)
+    model = residyn.identify(robot, renamed[0], tmp_path / "m", basic=True)
+    own, plain = model.predict(renamed[1]), residyn.identify(raw / "robot.urdf", fitted, tmp_path / "p", basic=True).predict(held)
+    np.testing.assert_allclose(own.nrmse(), plain.nrmse(), rtol=1e-9)
+    # Opened anew it does not know the file, and says what is missing; arrays are N·m.
+    again = residyn.Model(tmp_path / "m")
+    with pytest.raises(KeyError, match="drive="):
+        again.predict(renamed[1]).nrmse()
+    assert again.predict(renamed[1], drive=drive).nrmse() == own.nrmse()
+    arrays = residyn.Recording(held["time"], *(held[[f"{k}{j + 1}" for j in range(len(joints))]] for k in ("q", "tau")))
+    assert model.predict(arrays).nrmse()[0] == pytest.approx(own.nrmse()[0], rel=0.5)
+    with pytest.raises(KeyError, match="'foo' over 'all': there are .*physics.*, over all, moving"):
+        own.nrmse("foo")
+
+
+def test_words_of_the_command_line_become_keywords():
+    said = residyn.said.in_python
+    assert said("give gear ratios by --drive FILE.toml, or another --cutoff-hz.") == "give gear ratios by `drive`, or another `cutoff_hz`."
+    assert said("Run without --resume; see train --check-only") == "Run without `resume=True`; see the program `train --check-only`"
+    assert said("`train --check-only` gives them; leave --gpu out") == "`train --check-only` gives them; leave --gpu out"
+    assert said("/t/a.csv, row 3 (line 4): x; /t/a.csv", {"/t/a.csv": "data"}) == "data, row 3 (index 2): x; data"
+
+
+def test_the_package_as_a_command(capsys):
+    from residyn.__main__ import main
+
+    assert main(["--version"]) == 0 and capsys.readouterr().out == f"residyn {residyn.__version__}\n"
+    assert main([]) == 0 and "python -m residyn.verify" in capsys.readouterr().out
+    assert main(["diagnose", "--robot", "x"]) == 2 and "does not take: diagnose" in capsys.readouterr().err
 
 
 def test_a_named_index_of_pandas_is_a_column(raw, tmp_path):

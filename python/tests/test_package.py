@@ -160,15 +160,27 @@ def test_wrong_input_has_the_words_of_the_programs(raw, tmp_path):
         residyn.Robot("ur55")
     with pytest.raises(residyn.InputError, match="missing.csv"):
         residyn.identify(raw / "robot.urdf", tmp_path / "missing.csv", tmp_path / "m")
-    with pytest.raises(residyn.InputError, match="--weight"):
+    with pytest.raises(residyn.InputError, match="invalid value 'soft' for `weight`(?s:.)*tukey\\]$"):
         residyn.identify(raw / "robot.urdf", raw / "train.csv", tmp_path / "m", weight="soft")
     with pytest.raises(TypeError, match="cutof"):
         residyn.identify(raw / "robot.urdf", raw / "train.csv", tmp_path / "m", cutof=8)
     with pytest.raises(residyn.InputError, match="dimensions"):
         residyn.Recording(np.arange(3.0), np.zeros(3))
-    with pytest.raises(residyn.InputError, match="shape"):
-        one = residyn.Recording(np.arange(9.0), np.zeros((9, 6)), np.zeros((9, 5)))
-        residyn.identify("ur5", one, tmp_path / "m")
+    with pytest.raises(residyn.InputError, match=r"tau has the shape \(9, 5\) and q \(9, 6\)"):
+        residyn.Recording(np.arange(9.0), np.zeros((9, 6)), np.zeros((9, 5)))
+    with pytest.raises(residyn.InputError, match=r"q has the shape \(8, 6\) and time \(9,\)"):
+        residyn.Recording(np.arange(9.0), np.zeros((8, 6)))
+    with pytest.raises(residyn.InputError, match=r"(?s)one row per sample.*transpose it: q\.T"):
+        residyn.Recording(np.arange(9.0), np.zeros((6, 9)))
+    for starts in [(0, 9), (0, 4, 4), (1,), ()]:
+        with pytest.raises(residyn.InputError, match="starts are"):
+            residyn.Recording(np.arange(9.0), np.zeros((9, 6)), starts=starts)
+    for none in ([], (), None, {"a": 1}):
+        for call in (residyn.diagnose, residyn.replay, residyn.identify, residyn.train):
+            with pytest.raises(residyn.InputError, match="^data is "):
+                call("ur5", none, tmp_path / "m")
+    with pytest.raises(residyn.InputError, match=r"data\[1\] is of type ndarray"):
+        residyn.identify("ur5", [raw / "train.csv", np.zeros((9, 6))], tmp_path / "m")
     with pytest.raises(residyn.InputError, match="not finite"):
         one = residyn.Recording(np.arange(9.0), np.full((9, 6), np.nan), np.zeros((9, 6)))
         residyn.identify("ur5", one, tmp_path / "m")

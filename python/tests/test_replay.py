@@ -89,7 +89,7 @@ def test_wrong_input_has_the_words_of_the_program(case, tmp_path):
     urdf, drive, data, test = (case / name for name in ("robot.urdf", "drive.toml", "train.parquet", "test.parquet"))
     with pytest.raises(residyn.InputError, match=r"write it into a drive file(?s:.)*\[controller\]"):
         residyn.replay(urdf, data, test)
-    with pytest.raises(residyn.InputError, match="is among --data"):
+    with pytest.raises(residyn.InputError, match="is among `data`"):
         residyn.replay(urdf, data, data, drive=drive)
     one = residyn.Recording.read(data)
     with pytest.raises(residyn.InputError, match="rows stand in the recordings"):
