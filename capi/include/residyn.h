@@ -116,7 +116,8 @@ typedef enum residyn_code {
      */
     RESIDYN_VALUE = 4,
     /*
-     The model cannot be read: missing, damaged, altered, of another version, or not for this period.
+     The model cannot be read: missing, damaged, of another version, not for this period, or with another network than
+     model.json has the checksum of. model.json itself has none: an altered value there is not noticed.
      */
     RESIDYN_LOAD = 5,
     /*
@@ -248,6 +249,9 @@ enum residyn_code residyn_pause(struct residyn_model *model, double seconds);
  Torque `tau` of all `n` joints (N·m or N) for the motion of this control period, base first: rad or m, per s, per s². `status` gets
  RESIDYN_FADED, RESIDYN_UNCOMPENSATED and RESIDYN_POSITION_OUTSIDE, or is null. No limits: residyn_tick has them.
 
+ The torque is that of residyn_inverse_dynamics, residyn_friction and residyn_compensator, and a rest that no call gives: each joint's
+ constant offset and, where the model has them, ripple, springs, counterbalance and coupling.
+
  Where a value is not finite, `tau` stays as it was, and the period has passed without a sample.
  */
 enum residyn_code residyn_torque(struct residyn_model *model,
@@ -259,7 +263,7 @@ enum residyn_code residyn_torque(struct residyn_model *model,
                                  uint32_t *status);
 
 /*
- What of the last torque was friction, N·m or N, by joint: for a drive that knows the rest itself.
+ What of the last torque was friction, N·m or N, by joint, without the joint's constant offset.
  */
 enum residyn_code residyn_friction(struct residyn_model *model, double *tau, size_t n);
 
@@ -270,8 +274,10 @@ enum residyn_code residyn_compensator(struct residyn_model *model, double *tau, 
 
 /*
  How far the last sample lay outside the compensator's training, by joint: the largest part of an input's span, or of the largest
- distance of training, that it lies beyond; negative inside. The compensator fades from 0.1 to 0.6. Minus infinity where nothing
- was learned.
+ distance of training, that it lies beyond. Zero or less inside: an input that sits at the edge of its training, such as a friction
+ state at its limit, makes it zero, and most samples have one. The compensator fades from 0.1 to 0.6. A sample is one of
+ residyn_torque or residyn_tick, before the start and after a stop as well; residyn_reset leaves the value. Minus infinity before
+ the first sample, and where nothing was learned.
  */
 enum residyn_code residyn_range(struct residyn_model *model, double *excess, size_t n);
 
@@ -292,12 +298,14 @@ enum residyn_code residyn_inverse_dynamics(struct residyn_model *model,
 enum residyn_code residyn_gravity(struct residyn_model *model, const double *q, double *tau, size_t n);
 
 /*
- Mass matrix of the rigid body with its rotors at `q`: n × n values, symmetric, row by row.
+ Mass matrix of the rigid body with its rotors at `q`: n × n values, symmetric, row by row. Of parameters as identified: positive
+ definite for certain only where they were held to possible bodies (train --lmi last).
  */
 enum residyn_code residyn_mass_matrix(struct residyn_model *model, const double *q, double *matrix, size_t n);
 
 /*
- Acceleration `qdd` of the rigid body with its rotors under `tau`, from which friction and the rest were taken off.
+ Acceleration `qdd` of the rigid body with its rotors under `tau`, from which friction and the rest were taken off. By the matrix of
+ residyn_mass_matrix: a negative inertia turns the acceleration round.
  */
 enum residyn_code residyn_forward_dynamics(struct residyn_model *model,
                                            const double *q,
@@ -308,7 +316,8 @@ enum residyn_code residyn_forward_dynamics(struct residyn_model *model,
 
 /*
  Sets the largest torque (N·m or N) and its fastest change (N·m/s or N/s) by joint; null leaves one as it is, infinity is none.
- Before, the torque is limited as the robot's description says, and its change is not. Not for the loop: it allocates.
+ Before, the torque is limited as the robot's description says, and its change is not: a reference that jumps makes the torque jump.
+ Not for the loop: it allocates.
  */
 enum residyn_code residyn_set_limits(struct residyn_model *model, const double *torque, const double *rate, size_t n);
 

@@ -18,7 +18,8 @@ pub enum Code {
     ResidynNotFinite = 3,
     /// A value that is no setting: a negative limit, a text that is not UTF-8.
     ResidynValue = 4,
-    /// The model cannot be read: missing, damaged, altered, of another version, or not for this period.
+    /// The model cannot be read: missing, damaged, of another version, not for this period, or with another network than
+    /// model.json has the checksum of. model.json itself has none: an altered value there is not noticed.
     ResidynLoad = 5,
     /// The header belongs to another library than the one that runs.
     ResidynVersion = 6,

@@ -81,7 +81,8 @@ pub unsafe extern "C" fn residyn_gravity(
     }
 }
 
-/// Mass matrix of the rigid body with its rotors at `q`: n × n values, symmetric, row by row.
+/// Mass matrix of the rigid body with its rotors at `q`: n × n values, symmetric, row by row. Of parameters as identified: positive
+/// definite for certain only where they were held to possible bodies (train --lmi last).
 ///
 /// # Safety
 /// `model` is null or a handle that was not freed; `q` is null or has `n` values, `matrix` is null or has n × n.
@@ -100,7 +101,8 @@ pub unsafe extern "C" fn residyn_mass_matrix(
     }
 }
 
-/// Acceleration `qdd` of the rigid body with its rotors under `tau`, from which friction and the rest were taken off.
+/// Acceleration `qdd` of the rigid body with its rotors under `tau`, from which friction and the rest were taken off. By the matrix of
+/// residyn_mass_matrix: a negative inertia turns the acceleration round.
 ///
 /// # Safety
 /// `model` is null or a handle that was not freed; arrays are null or have `n` values.

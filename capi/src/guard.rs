@@ -89,7 +89,8 @@ unsafe fn set(
 }
 
 /// Sets the largest torque (N·m or N) and its fastest change (N·m/s or N/s) by joint; null leaves one as it is, infinity is none.
-/// Before, the torque is limited as the robot's description says, and its change is not. Not for the loop: it allocates.
+/// Before, the torque is limited as the robot's description says, and its change is not: a reference that jumps makes the torque jump.
+/// Not for the loop: it allocates.
 ///
 /// # Safety
 /// `model` is null or a handle that was not freed; arrays are null or have `n` values.

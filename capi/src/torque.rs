@@ -42,6 +42,9 @@ pub unsafe extern "C" fn residyn_pause(model: *mut Model, seconds: f64) -> Code 
 /// Torque `tau` of all `n` joints (N·m or N) for the motion of this control period, base first: rad or m, per s, per s². `status` gets
 /// RESIDYN_FADED, RESIDYN_UNCOMPENSATED and RESIDYN_POSITION_OUTSIDE, or is null. No limits: residyn_tick has them.
 ///
+/// The torque is that of residyn_inverse_dynamics, residyn_friction and residyn_compensator, and a rest that no call gives: each joint's
+/// constant offset and, where the model has them, ripple, springs, counterbalance and coupling.
+///
 /// Where a value is not finite, `tau` stays as it was, and the period has passed without a sample.
 ///
 /// # Safety
@@ -85,7 +88,7 @@ pub unsafe extern "C" fn residyn_torque(
     }
 }
 
-/// What of the last torque was friction, N·m or N, by joint: for a drive that knows the rest itself.
+/// What of the last torque was friction, N·m or N, by joint, without the joint's constant offset.
 ///
 /// # Safety
 /// `model` is null or a handle that was not freed; `tau` is null or has `n` values.
@@ -121,8 +124,10 @@ pub unsafe extern "C" fn residyn_compensator(model: *mut Model, tau: *mut f64, n
 }
 
 /// How far the last sample lay outside the compensator's training, by joint: the largest part of an input's span, or of the largest
-/// distance of training, that it lies beyond; negative inside. The compensator fades from 0.1 to 0.6. Minus infinity where nothing
-/// was learned.
+/// distance of training, that it lies beyond. Zero or less inside: an input that sits at the edge of its training, such as a friction
+/// state at its limit, makes it zero, and most samples have one. The compensator fades from 0.1 to 0.6. A sample is one of
+/// residyn_torque or residyn_tick, before the start and after a stop as well; residyn_reset leaves the value. Minus infinity before
+/// the first sample, and where nothing was learned.
 ///
 /// # Safety
 /// `model` is null or a handle that was not freed; `excess` is null or has `n` values.
