@@ -33,5 +33,6 @@ pub mod sos;
 #[cfg(feature = "statistics")]
 pub mod spectrum;
 pub mod spline;
+pub mod state_variable;
 
 pub use motion::Motion;
