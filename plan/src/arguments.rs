@@ -16,7 +16,8 @@ pub struct Arguments {
     /// them; or a bag (.mcap, .db3, folder) with a trajectory_msgs/JointTrajectory.
     #[arg(long, value_name = "PLAN")]
     pub trajectory: PathBuf,
-    /// File to write: the same motion with `tau1` … added (.csv, .parquet), or a JointTrajectory with effort (.mcap, .yaml).
+    /// File to write: the same table with `tau1` … added (.csv, .parquet), in the units and signs that --drive declares; or a
+    /// JointTrajectory with effort (.mcap, .yaml), in rad and the signs of the robot's description.
     #[arg(long, value_name = "OUT")]
     pub out: PathBuf,
     /// Unit of the torque: at the joint (N·m or N), current of the motor (A), or per mille of its rated torque (CiA 402, object

@@ -4,6 +4,8 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
+mod derive;
+mod jump;
 mod limits;
 mod motion;
 mod run;

@@ -22,7 +22,7 @@ pub struct Broken {
     unit: &'static str,
     time: f64,
     /// Whether another speed can mend it.
-    by_speed: bool,
+    pub by_speed: bool,
     /// Ratio of the value to its limit.
     excess: f64,
 }
@@ -119,7 +119,7 @@ fn largest(model: &mut Feedforward, motion: &Motion) -> Option<f64> {
     loop {
         let factor = f64::from(next) * STEP;
         let slow = slowed(motion, factor, model.period());
-        let torque = along(model, &slow);
+        let (torque, _) = along(model, &slow);
         let robot = model.dynamics().robot();
         if broken(robot, &slow, &torque).is_none() {
             holds = Some(next);

@@ -1,7 +1,7 @@
 //! The planned motion: what a plan has, and derivatives where it has none.
 
-use datasets::prepare::PrepareError;
-use datasets::{PrepareOptions, Recording, prepare};
+use crate::derive;
+use datasets::Recording;
 use model::failure::Failure;
 use ndarray::Array2;
 use signal::Motion;
@@ -132,35 +132,38 @@ pub fn at_waypoints(table: &Array2<f64>, sampled: &Motion, waypoints: &Motion) -
 const SPARSE: &str =
     "Give velocities and accelerations with the positions (qd1 …, qdd1 …), or more points.";
 
-/// Motion of a plan: its own velocities and accelerations or, without these, derivatives of its low-passed positions.
+/// Motion of a plan: its own velocities and accelerations or, without these, derivatives of its positions. Accelerations come
+/// from velocities where it has them.
 ///
 /// # Errors
 /// Positions of which derivatives cannot be taken.
-pub fn motion(plan: &Recording, cutoff_hz: Option<f64>) -> Result<Motion, Failure> {
+pub fn motion(plan: &Recording) -> Result<Motion, Failure> {
+    let segments = plan.segments();
+    let derived = |table: &Array2<f64>| -> Result<[Array2<f64>; 2], Failure> {
+        let mut out = [(); 2].map(|()| Array2::zeros(table.dim()));
+        for (j, column) in table.columns().into_iter().enumerate() {
+            let found = derive::derivatives(&plan.time, &segments, &column.to_vec())
+                .map_err(|e| Failure::input(format!("{}: {e}", plan.source), SPARSE))?;
+            for (table, values) in out.iter_mut().zip(found) {
+                table.column_mut(j).assign(&ndarray::Array1::from(values));
+            }
+        }
+        Ok(out)
+    };
     let (qd, qdd) = match (&plan.qd, &plan.qdd) {
         (Some(qd), Some(qdd)) => (qd.clone(), qdd.clone()),
-        _ => {
-            let options = PrepareOptions {
-                cutoff_hz,
-                ..PrepareOptions::default()
-            };
-            let derived = prepare(plan, &options)
-                .map_err(|e| {
-                    let advice = match e {
-                        PrepareError::Cutoff(_) | PrepareError::Spline { .. } => SPARSE,
-                        _ => e.advice(),
-                    };
-                    Failure::input(format!("{}: {e}", plan.source), advice)
-                })?
-                .at_samples;
-            let own =
-                |own: &Option<Array2<f64>>, derived: Array2<f64>| own.clone().unwrap_or(derived);
-            (own(&plan.qd, derived.qd), own(&plan.qdd, derived.qdd))
+        (Some(qd), None) => {
+            let [qdd, _] = derived(qd)?;
+            (qd.clone(), qdd)
+        }
+        (None, own) => {
+            let [qd, qdd] = derived(&plan.q)?;
+            (qd, own.clone().unwrap_or(qdd))
         }
     };
     Ok(Motion {
         time: plan.time.clone(),
-        segments: plan.segments(),
+        segments,
         q: plan.q.clone(),
         qd,
         qdd,
@@ -231,7 +234,7 @@ mod tests {
                 .insert_axis(ndarray::Axis(1)),
         );
         plan.qdd = Some(plan.q.mapv(|v| -v));
-        let whole = motion(&plan, None).unwrap();
+        let whole = motion(&plan).unwrap();
         assert_eq!(whole.qdd[[3, 0]], -plan.q[[3, 0]]);
         let half = slowed(&whole, 0.5, 0.01);
         assert_eq!(half.segments.first(), Some(&(0..799)));
@@ -247,7 +250,7 @@ mod tests {
     #[test]
     fn derivatives_of_positions_and_uneven_stamps() {
         let plan = sine(400);
-        let derived = motion(&plan, Some(20.0)).unwrap();
+        let derived = motion(&plan).unwrap();
         assert!((derived.qd[[200, 0]] - 2.0_f64.cos()).abs() < 1e-3);
         assert!((derived.qdd[[200, 0]] + 2.0_f64.sin()).abs() < 1e-2);
         assert!(period(&plan).is_some_and(|p| (p - 0.01).abs() < 1e-12));

@@ -2,14 +2,53 @@
 
 use feedforward::Feedforward;
 use feedforward::clock::LONGEST_PAUSE;
+use feedforward::network::Inside;
 use ndarray::Array2;
 use signal::Motion;
+use std::fmt;
 
-/// Torque of every joint for every sample, N·m or N, from neutral memory; shape (samples, joints). Trajectories that follow each other
-/// soon share what friction remembers.
-pub fn along(model: &mut Feedforward, motion: &Motion) -> Array2<f64> {
+/// How far the compensator of one joint was outside its training.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outside {
+    /// Samples in which it was faded, and those of them in which nothing of it was left.
+    samples: usize,
+    off: usize,
+    /// Largest distance beyond the range of training, as a part of that range.
+    excess: f32,
+}
+
+impl fmt::Display for Outside {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(
+            f,
+            "up to {:.2} of its range outside what the compensator was trained on; it is switched off in {}, faded in {} more",
+            self.excess,
+            self.off,
+            self.samples - self.off
+        )
+    }
+}
+
+/// Counts a sample outside the training.
+fn count(outside: &mut Option<Outside>, inside: Inside) {
+    if inside.weight < 1.0 {
+        let seen = outside.get_or_insert(Outside {
+            samples: 0,
+            off: 0,
+            excess: 0.0,
+        });
+        seen.samples += 1;
+        seen.off += usize::from(inside.weight <= 0.0);
+        seen.excess = seen.excess.max(inside.excess);
+    }
+}
+
+/// Torque of every joint for every sample, N·m or N, from neutral memory; shape (samples, joints). Beside it the joints whose
+/// compensator is faded on the way. Trajectories that follow each other soon share what friction remembers.
+pub fn along(model: &mut Feedforward, motion: &Motion) -> (Array2<f64>, Vec<Option<Outside>>) {
     let n = model.dof();
     let mut torque = Array2::zeros((motion.time.len(), n));
+    let mut outside = vec![None; n];
     let mut last = None;
     for segment in &motion.segments {
         let start = motion.time[segment.start];
@@ -25,7 +64,31 @@ pub fn along(model: &mut Feedforward, motion: &Motion) -> Array2<f64> {
             for (cell, tau) in torque.row_mut(row).iter_mut().zip(&tau) {
                 *cell = *tau;
             }
+            for (joint, outside) in outside.iter_mut().enumerate() {
+                count(outside, model.inside(joint));
+            }
         }
     }
-    torque
+    (torque, outside)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_outside_are_counted() {
+        let mut outside = None;
+        count(&mut outside, Inside::NOTHING_LEARNED);
+        assert_eq!(outside, None);
+        for (weight, excess) in [(1.0, -0.2), (0.7, 0.2), (0.0, 0.9), (0.0, 0.8)] {
+            count(&mut outside, Inside { weight, excess });
+        }
+        let text = outside.unwrap().to_string();
+        assert!(text.starts_with("up to 0.90 of its range"), "{text}");
+        assert!(
+            text.ends_with("switched off in 2, faded in 1 more"),
+            "{text}"
+        );
+    }
 }

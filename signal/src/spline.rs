@@ -3,6 +3,8 @@
 //! B-splines with the not-a-knot end condition (C. de Boor, *A Practical Guide to Splines*,
 //! ch. XIII), equal to `scipy.interpolate.make_interp_spline`.
 
+mod coarsest;
+
 /// Samples that no spline can go through.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SplineError {
@@ -291,6 +293,12 @@ impl Banded {
             let index = self.index(row, column);
             self.cells[index] = value;
         }
+    }
+
+    /// Adds to a cell inside the band.
+    fn add(&mut self, row: usize, column: usize, value: f64) {
+        let index = self.index(row, column);
+        self.cells[index] += value;
     }
 
     fn solve(mut self, mut x: Vec<f64>) -> Vec<f64> {

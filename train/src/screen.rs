@@ -135,6 +135,7 @@ pub fn first(
     }
     let mut lines: Vec<String> = outside.iter().map(Outside::line).collect();
     lines.extend(followed(file));
+    lines.extend(untried(file));
     lines.extend(look_at(fit, metrics, checks));
     if !lines.is_empty() {
         say!("\nLook at:");
@@ -158,6 +159,17 @@ fn followed(file: &ModelFile) -> impl Iterator<Item = String> {
             "{}: the torque that the physics leaves follows {others}, as that of a cable or a hose may; its learned unit sees that, too",
             unit.joint
         ))
+    })
+}
+
+/// A line where no network was tried on motion that it was not trained on.
+fn untried(file: &ModelFile) -> Option<String> {
+    let units = &file.compensator.as_ref()?.validation;
+    let untried = units.iter().all(|unit| unit.with_unit.is_none());
+    (untried && !units.is_empty()).then(|| {
+        "The learned units were not tried on motion held back, for the training has one trajectory: none is switched off where it \
+         does not help. Mark runs in the column `trajectory`, or score them with --heldout."
+            .to_owned()
     })
 }
 

@@ -46,7 +46,7 @@ pub(crate) fn read(
             Ok(false) => break,
             Err(e) => return Err(broken_row(e, row, file)),
         }
-        let line = record.position().map_or(0, csv::Position::line) + skipped;
+        let line = record.position().map_or(0, |p| line_at(&text, p)) + skipped;
         if record.iter().all(<[u8]>::is_empty) {
             blank += 1;
             continue;
@@ -158,6 +158,14 @@ fn number(cell: &[u8], style: &Style, time: bool) -> Result<f64, Problem> {
     value
         .or_else(|| time.then(|| stamps::from_text(text)).flatten())
         .ok_or_else(odd)
+}
+
+/// Line of a row, from 1. Its position may stand before line feeds: those of blank lines, and that of a row before which ends
+/// in a carriage return and a line feed.
+fn line_at(text: &[u8], position: &csv::Position) -> u64 {
+    let rest = text.get(position.byte() as usize..).unwrap_or_default();
+    let ends = rest.iter().take_while(|b| matches!(b, b'\r' | b'\n'));
+    position.line() + ends.filter(|b| **b == b'\n').count() as u64
 }
 
 fn broken_row(error: csv::Error, row: usize, file: &Path) -> ReadError {

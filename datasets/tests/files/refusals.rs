@@ -123,6 +123,16 @@ fn values_that_are_no_numbers_are_named_by_row_line_and_column() {
         );
         assert!(matches!(e.problem, Problem::NotFinite(v) if v.to_string() == expected));
     }
+    // Line ends of Windows, and blank lines, count as an editor counts them.
+    let bad = csv(|l| l[5] = "0.04,a,NaN,1,1,1".into());
+    for (text, line) in [
+        (bad.replace('\n', "\r\n"), 6),
+        (bad.replacen('\n', "\n\n", 3), 9),
+        (bad.replacen('\n', "\r\n\r\n", 3), 9),
+    ] {
+        let e = refused(&text);
+        assert_eq!((e.row, e.line), (Some(5), Some(line)), "{text}");
+    }
     let e = refused(&csv(|l| l[7] = "0.06,a,1,1,1,1.2.3".into()));
     assert_eq!((e.row, e.column.as_deref()), (Some(7), Some("tau2")));
     assert!(matches!(e.problem, Problem::NotANumber(ref s) if s == "1.2.3"));
