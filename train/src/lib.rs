@@ -9,6 +9,7 @@ mod command_line;
 pub mod doctor;
 mod estimator;
 pub mod forward;
+mod inertia;
 mod input;
 pub mod oracle;
 mod output;

@@ -2,7 +2,8 @@
 
 use crate::arguments::{Arguments, PresetName};
 use crate::runtime::{pool, stop};
-use crate::{checkpoint, input, output, progress, screen, taught, topics, yardsticks};
+use crate::taught::Outside;
+use crate::{checkpoint, inertia, input, output, progress, screen, taught, topics, yardsticks};
 use compensator::training::{Control, Progress, Tensors};
 use datasets::Recording;
 use datasets::check::CheckReport;
@@ -191,10 +192,16 @@ fn steps(
         checkpoint::remove(folder);
     }
     if !arguments.running.quiet {
+        let impossible = inertia::impossible(&arguments.out, &fit);
+        let warned: Vec<String> = outside
+            .iter()
+            .map(Outside::line)
+            .chain(impossible)
+            .collect();
         if arguments.verbose {
-            screen::everything(&fit, &metrics, &outside, arguments);
+            screen::everything(&fit, &metrics, &warned, arguments);
         } else {
-            screen::first(&fit, &metrics, &checks, &outside, arguments);
+            screen::first(&fit, &metrics, &checks, &warned, arguments);
         }
         if let Some(compared) = learned.as_ref().and_then(|l| l.yardsticks.as_ref()) {
             yardsticks::print(compared, metrics.heldout.as_deref());

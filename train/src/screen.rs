@@ -2,7 +2,6 @@
 
 use crate::arguments::Arguments;
 use crate::output::{PAGE, published};
-use crate::taught::Outside;
 use datasets::check::{CheckReport, Complaint, Finding, Severity};
 use datasets::metrics::{Row, Scope};
 use model::directory::metrics::{Member, Metrics};
@@ -100,7 +99,7 @@ pub fn first(
     fit: &Fit,
     metrics: &Metrics,
     checks: &[CheckReport],
-    outside: &[Outside],
+    warned: &[String],
     arguments: &Arguments,
 ) {
     let file = &fit.file;
@@ -133,7 +132,7 @@ pub fn first(
         say!("\nNRMSE (error over the torque's deviation) {of}:\n");
         say_text!(table.to_text());
     }
-    let mut lines: Vec<String> = outside.iter().map(Outside::line).collect();
+    let mut lines = warned.to_vec();
     lines.extend(followed(file));
     lines.extend(untried(file));
     lines.extend(look_at(fit, metrics, checks));
@@ -239,7 +238,7 @@ fn findings(checks: &[CheckReport], severity: Severity) -> Vec<String> {
 }
 
 /// Prints everything: parameters, conditioning, residuals, scores of every scope.
-pub fn everything(fit: &Fit, metrics: &Metrics, outside: &[Outside], arguments: &Arguments) {
+pub fn everything(fit: &Fit, metrics: &Metrics, warned: &[String], arguments: &Arguments) {
     let file = &fit.file;
     if let Some(d) = &file.diagnostics {
         say!("\nBase parameters");
@@ -262,7 +261,7 @@ pub fn everything(fit: &Fit, metrics: &Metrics, outside: &[Outside], arguments: 
         }
     }
     scores("the training recordings", fit, &metrics.train, false);
-    for line in outside.iter().map(Outside::line) {
+    for line in warned {
         say_text!(report::wrapped(&format!("\n{line}."), WIDTH, ""));
     }
     if let Some(rows) = &metrics.heldout {

@@ -35,8 +35,8 @@ pub(super) fn of_group(
             lines(&names(found), "")
         )),
         Trouble::Unit(found, unit) => Some(format!(
-            "{} is no torque in N·m by its name: declare it in a drive file (--drive FILE.toml; `{unit}` needs torque constants and gear \
-             ratios, or give torque_scale alone){}",
+            "{} is no torque in N·m by its name: declare it in a drive file (--drive FILE.toml; `{unit}` needs gear_ratio \
+             and torque_constant; where only N·m per A at the joint is known, leave [units] out and give torque_scale){}",
             header.names[found[0]],
             lines(&names(found), unit)
         )),

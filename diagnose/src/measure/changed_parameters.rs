@@ -9,20 +9,13 @@ use physics::robot::{PARAMETER_NAMES, PARAMETERS_PER_LINK};
 pub fn moved(model: &NominalModel, found: &Findings) -> Vec<Moved> {
     let n = model.robot.dof();
     let said = &found.settings.measure.said;
-    let other = |i: usize| {
-        let mut causes = 0..found.accepted.len();
-        causes.any(|c| {
-            let effect = found.candidate(c).effect;
-            found.accepted[c].variables.contains(&i) && !effect.info().parameter
-        })
-    };
     let inertial = PARAMETERS_PER_LINK * n;
     let joints = model.robot.joints();
     let mut given = model.robot.parameters();
     given.extend(joints.iter().map(|j| j.damping));
     given.extend(joints.iter().map(|j| j.friction));
     let mut out = Vec::new();
-    let changes = found.changes(|i| !other(i));
+    let changes = found.changes(|i| !found.is_structure(i));
     for (column, (&before, (change, std))) in given.iter().zip(changes).enumerate() {
         let deviations = change.abs() / std.max(1e-300);
         if !(deviations.is_finite() && deviations > said.moved) {

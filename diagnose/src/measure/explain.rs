@@ -177,6 +177,16 @@ pub fn explain(
         let with = if contact { with } else { kept(&with) };
         let without = if contact { without } else { kept(&without) };
         let (closed, interval) = closed(&with, &without, &joints, block);
+        let sizes = match part.accepted {
+            Some(c) => parameters(found, c, &names),
+            None if contact => pushed(model, frames, said.contact, here.as_ref()),
+            None => moved(model, found, part.effect, &joints, &names),
+        };
+        // Links of which no parameter moved, and which help nowhere but in the fitted recording, leave nothing to set.
+        let nothing = part.effect == Effect::LinkParameters && sizes.is_empty();
+        if nothing && interval[0] <= 0.0 && suspected(found, part.effect).is_none() {
+            continue;
+        }
         let alone = match part.accepted.filter(|_| part.effect.info().absorbable) {
             Some(c) => {
                 let fit = found.tight_without(c, &frames.scale);
@@ -235,11 +245,7 @@ pub fn explain(
                 interval[0] > 0.0
             },
             p_value: cause.and_then(|a| chance(found, a, said.null)),
-            parameters: match part.accepted {
-                Some(c) => parameters(found, c, &names),
-                None if contact => pushed(model, frames, said.contact, here.as_ref()),
-                None => moved(model, found, part.effect, &joints, &names),
-            },
+            parameters: sizes,
             pushes,
             ambiguous_with: cause
                 .or_else(|| suspected(found, part.effect))

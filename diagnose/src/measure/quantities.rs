@@ -125,7 +125,8 @@ pub fn measured(sizes: &[Size], joint: Option<&String>) -> Vec<Parameter> {
     sizes.iter().map(one).collect()
 }
 
-/// Changed parameters of the named joints that moved clearly.
+/// Changed parameters of the named joints that moved clearly, most deviations first. A payload does not count as a change of the last
+/// link.
 pub fn moved(
     model: &NominalModel,
     found: &Findings,
@@ -134,8 +135,8 @@ pub fn moved(
     names: &[String],
 ) -> Vec<Parameter> {
     let n = model.robot.dof();
-    let mut out = Vec::new();
-    let changes = found.changes(|_| true);
+    let mut out: Vec<(f64, Parameter)> = Vec::new();
+    let changes = found.changes(|i| !found.is_structure(i));
     let total = |parameter: usize| changes[parameter];
     let parameter = |name: String, j: usize, value, std, unit: Unit| Parameter {
         name,
@@ -149,21 +150,15 @@ pub fn moved(
             let joint = &model.robot.joints()[j];
             let (dv, sv) = total(PARAMETERS_PER_LINK * n + j);
             let (dc, sc) = total((PARAMETERS_PER_LINK + 1) * n + j);
-            out.push(parameter(
-                "viscous".into(),
-                j,
-                joint.damping + dv,
-                sv,
-                Unit::NewtonMetreSecondPerRad,
-            ));
-            out.push(parameter(
-                "coulomb".into(),
-                j,
-                joint.friction + dc,
-                sc,
-                Unit::NewtonMetre,
-            ));
-            out.extend(slow(found, j, names));
+            let viscous = (joint.damping + dv, sv, Unit::NewtonMetreSecondPerRad);
+            let coulomb = (joint.friction + dc, sc, Unit::NewtonMetre);
+            for (name, change, (value, std, unit)) in
+                [("viscous", dv, viscous), ("coulomb", dc, coulomb)]
+            {
+                let new = parameter(name.into(), j, value, std, unit);
+                out.push((change.abs() / std, new));
+            }
+            out.extend(slow(found, j, names).into_iter().map(|p| (0.0, p)));
         }
     } else {
         let given = model.robot.parameters();
@@ -174,17 +169,14 @@ pub fn moved(
             if change.abs() > said.changed * std && change.abs() > said.changed_part * p.abs() {
                 let unit = [Unit::Kilogram, Unit::KilogramMetre, Unit::KilogramMetre2]
                     [[0, 1, 1, 1, 2, 2, 2, 2, 2, 2][c % PARAMETERS_PER_LINK]];
-                out.push(parameter(
-                    label,
-                    c / PARAMETERS_PER_LINK,
-                    p + change,
-                    std,
-                    unit,
-                ));
+                let j = c / PARAMETERS_PER_LINK;
+                let new = parameter(label, j, p + change, std, unit);
+                out.push((change.abs() / std, new));
             }
         }
     }
-    out
+    out.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    out.into_iter().map(|(_, p)| p).collect()
 }
 
 /// Part of a joint's Coulomb friction that builds up over a wider velocity than the model's, and that velocity.

@@ -5,6 +5,7 @@ use crate::algebra::fit::Variable;
 use crate::algebra::folds::Fold;
 use crate::algebra::gram::Grams;
 use crate::catalogue::choice::Choice;
+use crate::catalogue::effect::Effect;
 use crate::catalogue::gear::Link;
 use crate::catalogue::{
     Candidate, backlash, position_dependent_friction, saturation, torque_ripple,
@@ -13,6 +14,7 @@ use crate::error::DiagnoseError;
 use crate::input::frames::Frames;
 use crate::motion::frame::Frame;
 use crate::motion::scene::{Scale, Scene};
+use crate::search::carried_body;
 use crate::search::dictionary::Dictionary;
 use crate::search::model_comparison::{Answer, Comparison, Simplest};
 use crate::search::objective::Objective;
@@ -231,14 +233,14 @@ pub fn find(
         answer = simplest.halving(answer, &pieces, &settings.ladder);
     }
     let Answer {
-        selection,
+        mut selection,
         steps,
         rest,
         base,
         against,
     } = answer;
     let mut start = base.len();
-    let accepted = selection
+    let accepted: Vec<Accepted> = selection
         .accepted
         .iter()
         .zip(steps)
@@ -254,6 +256,14 @@ pub fn find(
             }
         })
         .collect();
+    let mut variables = selection.fit.variables.clone();
+    let carried = |a: &&Accepted| candidates[a.candidate].effect == Effect::Payload;
+    if let Some(body) = accepted.iter().find(carried).map(|a| a.variables.clone()) {
+        let beta = selection.fit.beta().to_vec();
+        let (own, beta) = (&mut variables[body.clone()], &beta[body]);
+        carried_body::centre(own, beta, settings.search.freed);
+        selection.fit = objective.fit(variables);
+    }
     let tight = (
         selection.fit.variables.clone(),
         selection.fit.beta().clone(),
@@ -320,6 +330,13 @@ impl Findings {
             map.extend(sizes.map(|(p, size)| (accepted.variables.start, first + p, size)));
         }
         map
+    }
+
+    /// Whether a variable of the final fit belongs to a cause of kind `structure`, as a payload's do.
+    pub fn is_structure(&self, variable: usize) -> bool {
+        let structure = self.structure();
+        let mut causes = structure.iter().map(|&c| &self.accepted[c].variables);
+        causes.any(|own| own.contains(&variable))
     }
 
     /// Change of each parameter of the model (10 N inertial, N viscous, N Coulomb) by the variables that `keep`

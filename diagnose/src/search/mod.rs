@@ -1,6 +1,7 @@
 //! Search for causes: from the candidates of the catalogue to those that explain the recording.
 
 mod acceptance;
+mod carried_body;
 pub(crate) mod dictionary;
 pub(crate) mod find;
 pub(crate) mod kept;

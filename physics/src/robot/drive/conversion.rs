@@ -68,7 +68,8 @@ impl Drive {
                 let need = |value: Option<f64>, name: &str| {
                     value.ok_or_else(|| RobotError::Drive {
                         reason: format!(
-                            "units.torque = {:?} needs the {name} of joint {:?}; give {name} = [...]",
+                            "units.torque = {:?} needs the {name} of joint {:?}; give {name} = [...], or leave units.torque out and give \
+                             torque_scale = [...], N·m (N) at the joint per recorded unit",
                             self.units.torque.name(),
                             joint.name
                         ),
