@@ -279,7 +279,9 @@ enum residyn_code residyn_compensator(struct residyn_model *model, double *tau, 
  residyn_torque or residyn_tick, before the start and after a stop as well; residyn_reset leaves the value. Minus infinity before
  the first sample, and where nothing was learned.
  */
-enum residyn_code residyn_range(struct residyn_model *model, double *excess, size_t n);
+enum residyn_code residyn_range(struct residyn_model *model,
+                                double *excess,
+                                size_t n);
 
 /*
  Torque `tau` of the rigid body with its rotors (N·m or N) for a motion: no friction, springs or compensator. No memory: it may be
@@ -319,7 +321,10 @@ enum residyn_code residyn_forward_dynamics(struct residyn_model *model,
  Before, the torque is limited as the robot's description says, and its change is not: a reference that jumps makes the torque jump.
  Not for the loop: it allocates.
  */
-enum residyn_code residyn_set_limits(struct residyn_model *model, const double *torque, const double *rate, size_t n);
+enum residyn_code residyn_set_limits(struct residyn_model *model,
+                                     const double *torque,
+                                     const double *rate,
+                                     size_t n);
 
 /*
  Sets the time of the ramps after start and stop (0.5 s before), and the longest time that an old torque may stand while the input
