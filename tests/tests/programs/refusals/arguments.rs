@@ -65,7 +65,7 @@ fn arguments() {
     let place = folder();
     let data = place.path().join("r.csv");
     recording().write(&data);
-    train_refuses(&data, &["--threads", "0"], &["--threads 0"]);
+    train_refuses(&data, &["--threads", "0"], &["--threads", "from 1 on"]);
     train_refuses(&data, &["--members", "none"], &["--members"]);
     train_refuses(&data, &["--cutoff-hz", "400"], &["r.csv", "400"]);
     train_refuses(&data, &["--cutoff-hz", "nan"], &["cut"]);
