@@ -1,4 +1,4 @@
-//! Whether the identified inertias are those of a possible robot.
+//! Whether the identified inertia matrix is positive definite.
 
 use feedforward::Feedforward;
 use model::physics_fit::Fit;
@@ -34,8 +34,8 @@ pub fn impossible(directory: &Path, fit: &Fit) -> Option<String> {
     }
     let (least, joint) = worst?;
     Some(format!(
-        "{}: the identified inertia matrix is that of no robot in recorded poses (an eigenvalue of {least:.2e} kg·m²). The torque is not worse \
-         for it; for forward dynamics, impedance control or computed torque train with --lmi last.",
+        "{}: the identified inertia matrix is not positive definite in recorded poses (an eigenvalue of {least:.2e} kg·m²). The torque is not \
+         worse for it; for forward dynamics, impedance control or computed torque train with --lmi last.",
         names[joint]
     ))
 }

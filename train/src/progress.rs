@@ -18,16 +18,6 @@ pub fn bar(quiet: bool, what: &str) -> ProgressBar {
         .with_message(what.to_owned())
 }
 
-/// A spinner for work whose length is not known.
-pub fn spinner(quiet: bool, what: &str) -> ProgressBar {
-    if quiet {
-        return ProgressBar::hidden();
-    }
-    let spinner = ProgressBar::new_spinner().with_message(what.to_owned());
-    spinner.enable_steady_tick(std::time::Duration::from_millis(200));
-    spinner
-}
-
 /// Shows all networks of a training as one bar with the latest figures.
 pub struct Training {
     bar: ProgressBar,

@@ -85,7 +85,7 @@ fn steps(
     }
 
     let estimator = arguments.estimator.options(&input.setup.robot)?;
-    let spinner = progress::spinner(arguments.running.quiet, "identifying");
+    let spinner = arguments.running.spinner().with_message("identifying");
     let options = FitOptions {
         identify: IdentifyOptions {
             moving_only: arguments.moving_only,

@@ -5,11 +5,9 @@
 //! moving it to a possible one moved its mass by a third.
 
 use crate::algebra::fit::Variable;
+use crate::search::select::MOMENTS;
 use nalgebra::{Matrix3, Vector3};
 use physics::robot::Inertia;
-
-/// Parameters before the inertias: mass and first moments.
-const MOMENTS: usize = 4;
 
 /// Centres the priors of the body's inertias on those of its fitted mass at its fitted centre (parallel axes), and widens them by the
 /// part `freed` of these. `body` are its ten variables, `beta` their coefficients. A mass that is not above zero leaves them as they are.

@@ -19,7 +19,7 @@ const CONTENDERS: usize = 40;
 const TOGETHER: usize = 16;
 
 /// Number of a body's first parameters that are mass and first moments.
-const MOMENTS: usize = 4;
+pub(super) const MOMENTS: usize = 4;
 
 /// Score of a candidate that is added to a fit.
 #[derive(Clone, Debug)]

@@ -100,7 +100,7 @@ impl Data {
         })
         .map_err(|e| Failure::other(e.to_string()))?;
         bar.finish_and_clear();
-        let spinner = crate::progress::spinner(study.running.quiet, "identifying");
+        let spinner = study.running.spinner().with_message("identifying");
         let robot = Robot::builtin("ur5").ok_or_else(|| Failure::other("no built-in ur5"))?;
         let taken = |name: &str| -> Result<Recording, Failure> {
             let recording = part(&set, name)?;
