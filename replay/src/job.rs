@@ -3,7 +3,7 @@
 use crate::catalogue::Effect;
 use crate::diagnosis::{Options, Outcome, diagnose, earlier};
 use crate::input::{InputError, Subject};
-use crate::patch::{Patch, PatchError, patch};
+use crate::patch::{Patch, PatchError, patch, unchanged};
 use crate::schema::Compared;
 use crate::simulate::Unstable;
 use crate::tracks::Replayed;
@@ -196,12 +196,23 @@ impl Done {
         page::page(&self.outcome, &self.heldout, &files, &title)
     }
 
-    /// Corrected model as text, to be written to `out`, with the drive files beside it. Nothing is written here.
+    /// Whether the simulator as given follows the motion, so that its model stays as it is. After earlier recordings the simulator
+    /// as given is fitted to them, and the model is written with that.
+    pub fn nothing_to_correct(&self) -> bool {
+        let report = &self.outcome.report;
+        report.verdict == "no_gap" && report.compared.is_none()
+    }
+
+    /// Corrected model as text, to be written to `out`, with the drive files beside it. Where nothing is missing, it is the model as
+    /// given. Nothing is written here.
     ///
     /// # Errors
     /// Corrected robot that the format cannot hold.
     pub fn patch(&self, out: &Path) -> Result<Patch, PatchError> {
         let subject = &self.subject;
+        if self.nothing_to_correct() {
+            return unchanged(&subject.setup, &subject.given, out);
+        }
         let arms = [&self.outcome.held, &self.outcome.corrected];
         patch(&subject.setup, &subject.given, arms, out)
     }

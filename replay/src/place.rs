@@ -46,6 +46,11 @@ pub fn places(
                 })
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             let Some((part, share)) = best else { continue };
+            // Samples of one value are in no order: such a region says nothing.
+            let ends = [samples[part.start].0, samples[part.end - 1].0];
+            if coordinate != "direction" && ends[0] == ends[1] {
+                continue;
+            }
             let own = squared[j] * weight(j) / total;
             let time = part.len() as f64 / samples.len() as f64;
             // Margin of a fifth: where the error is spread evenly, the coordinate says nothing.
@@ -53,7 +58,7 @@ pub fn places(
                 out.push(Place {
                     joint: joints[j].clone(),
                     coordinate,
-                    range: [samples[part.start].0, samples[part.end - 1].0],
+                    range: ends,
                     unit,
                     share_of_gap: share,
                     share_of_time: time,

@@ -95,11 +95,11 @@ fn diagnosed(arguments: &Arguments, running: &Running) -> Result<(), ReplayError
     if let Some(path) = &arguments.json {
         files.push((path.clone(), done.json()));
     }
-    let mut left_out = Vec::new();
+    let (mut left_out, mut changes) = (Vec::new(), Vec::new());
     let mut patched = Vec::new();
     if let Some(path) = &arguments.patch {
         let patch = done.patch(path)?;
-        left_out = patch.left_out;
+        (left_out, changes) = (patch.left_out, patch.changes);
         patched = patch.files;
     }
     if let Some(path) = &arguments.html {
@@ -110,14 +110,24 @@ fn diagnosed(arguments: &Arguments, running: &Running) -> Result<(), ReplayError
     for (path, text) in &files {
         report::write_atomic(path, text)?;
     }
-    if let (Some(_), Some(part)) = (
-        &arguments.patch,
-        done.outcome.report.file_alone.figures.mean_unexplained,
-    ) {
-        report::say!(
-            "The corrected model file, fitted for what it can hold, leaves {:.0} % unexplained; some of its values differ from those above.",
-            100.0 * part
-        );
+    if let Some(path) = &arguments.patch {
+        let part = done.outcome.report.file_alone.figures.mean_unexplained;
+        match part {
+            _ if done.nothing_to_correct() => {
+                report::say!(
+                    "Nothing to correct: {} is the model as given.",
+                    path.display()
+                );
+            }
+            Some(part) => report::say!(
+                "The corrected model file, fitted for what it can hold, leaves {:.0} % unexplained. It changes:",
+                100.0 * part
+            ),
+            None => report::say!("The corrected model file changes:"),
+        }
+        for line in changes {
+            report::say!("  {line}");
+        }
     }
     for line in left_out {
         report::say!("Not in the corrected model: {line}.");

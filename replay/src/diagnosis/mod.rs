@@ -181,12 +181,6 @@ pub fn diagnose(
             figures: figures(&errors, heldout),
         });
     }
-    stage("fitting what a model file holds");
-    let held = held(given, data, &plain)?;
-    let alone = FileAlone {
-        figures: figures(&roll_out(&held, heldout)?, heldout),
-        controller: controller(given, &held, None),
-    };
     let places = crate::place::places(&before, heldout, &joints, &rotates);
     let causes: Vec<Cause> = order.iter().map(|&i| causes[i].clone()).collect();
     let left_as_given = left(&before, heldout, given);
@@ -201,6 +195,17 @@ pub fn diagnose(
         })
         .collect();
     let verdict = verdict([&left_as_given, &left], &causes, &unknown);
+    // What follows the motion as given stays as it is.
+    let held = if verdict == "no_gap" && given.earlier.is_none() {
+        as_given.clone()
+    } else {
+        stage("fitting what a model file holds");
+        held(given, data, &plain)?
+    };
+    let alone = FileAlone {
+        figures: figures(&roll_out(&held, heldout)?, heldout),
+        controller: controller(given, &held, None),
+    };
     if causes.is_empty() && verdict == "explained" && given.earlier.is_none() {
         ladder.push(Step {
             step: TOLERANCES.to_owned(),

@@ -233,7 +233,9 @@ pub fn lines(report: &Report, words: impl Fn(&str) -> &'static str) -> Vec<Strin
             unknown.joint, unknown.probability
         ));
     }
-    for place in report.places.iter().take(3) {
+    // Without a gap there is no place to name.
+    let gap = report.verdict != "no_gap";
+    for place in report.places.iter().filter(|_| gap).take(3) {
         out.push(format!(
             "Where: {} {}: {:.0} % of the whole arm's gap in {:.0} % of the time.",
             place.joint,

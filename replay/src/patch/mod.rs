@@ -1,5 +1,7 @@
 //! Corrected simulator as files: the model with its drives, and the values for other simulators.
 
+mod changes;
+
 use crate::arm::Arm;
 use crate::command::Interpolation;
 use crate::given::Given;
@@ -23,6 +25,8 @@ pub struct Patch {
     pub files: Vec<(PathBuf, String)>,
     /// Corrections in words that the model's format has no place for.
     pub left_out: Vec<String>,
+    /// What the files change, by joint: "forearm: kp 150 → 120". It is empty where the model is as given.
+    pub changes: Vec<String>,
 }
 
 /// Files of the corrected arm `arm`: the description with its values, a drive file, and the values for Isaac Lab and Newton.
@@ -39,12 +43,14 @@ pub fn patch(
 ) -> Result<Patch, PatchError> {
     let robot = corrected(arm)?;
     let mut left_out = Vec::new();
+    let mut changes = changes::changes(given, arm);
     let mut files = match &setup.description {
         Description::Mjcf(mjcf) => {
             let edits = edits(arm, mjcf)?;
             let late: Vec<bool> = edits.iter().map(|e| e.delay.is_none()).collect();
             left_out.extend(outside(given, [arm, whole], &late));
             let edited = mjcf.with_drives(&robot, &arm.zero, &edits)?;
+            changes.extend(changes::held_at_rest(arm));
             left_out.extend(edited.left_out().iter().cloned());
             edited.files(out)?
         }
@@ -56,11 +62,40 @@ pub fn patch(
     };
     // A URDF has no place for them; an MJCF holds them as `armature`.
     let rotors = matches!(setup.description, Description::Urdf(_));
+    files.extend(tables(given, arm, rotors, out));
+    Ok(Patch {
+        files,
+        left_out,
+        changes,
+    })
+}
+
+/// Files of the simulator as given: the description with no number changed, and its drives for other simulators.
+///
+/// # Errors
+/// As for [`patch`].
+pub fn unchanged(setup: &Setup, given: &Given, out: &Path) -> Result<Patch, PatchError> {
+    let same = Changed::of(&setup.robot);
+    let (mut files, rotors) = match &setup.description {
+        Description::Mjcf(mjcf) => (mjcf.with(&same)?.files(out)?, false),
+        Description::Urdf(urdf) => (vec![(out.to_owned(), urdf.with(&same)?)], true),
+    };
+    files.extend(tables(given, &given.arm, rotors, out));
+    Ok(Patch {
+        files,
+        left_out: Vec::new(),
+        changes: Vec::new(),
+    })
+}
+
+/// Drive file, and the values for Isaac Lab and Newton, with their paths beside `out`.
+fn tables(given: &Given, arm: &Arm, rotors: bool, out: &Path) -> [(PathBuf, String); 3] {
     let beside = |ending: &str| out.with_extension(ending);
-    files.push((beside("drive.toml"), drive_file(given, arm, rotors)));
-    files.push((beside("isaaclab.py"), isaac_lab(arm)));
-    files.push((beside("newton.json"), newton(arm)));
-    Ok(Patch { files, left_out })
+    [
+        (beside("drive.toml"), drive_file(given, arm, rotors)),
+        (beside("isaaclab.py"), isaac_lab(arm)),
+        (beside("newton.json"), newton(arm)),
+    ]
 }
 
 /// Robot with the arm's rigid bodies, viscous and Coulomb friction, and rotor inertia.
