@@ -23,6 +23,9 @@ pub struct Given {
     pub controller: &'static str,
     /// Notes for the reader of the report: assumptions about the simulator and changes to its description.
     pub notes: Vec<String>,
+    /// Whether each joint's drive is given no limit of its torque, and has a supposed one in `arm`, which the motion does not meet.
+    /// It is empty where none has.
+    pub unlimited: Vec<bool>,
     /// Result of the fit to earlier recordings, where the simulator stands for the robot at that time; none otherwise.
     pub earlier: Option<Earlier>,
 }
@@ -144,6 +147,7 @@ mod tests {
             interpolation: Interpolation::Hold,
             controller: "pd",
             notes: Vec::new(),
+            unlimited: Vec::new(),
             earlier: None,
         };
         assert!((given.lags(false)[3] - 0.26).abs() < 1e-12);

@@ -298,6 +298,7 @@ fn by_block(setup: &Setup, block: &Controller) -> Given {
         },
         controller: block.kind.name(),
         notes,
+        unlimited: Vec::new(),
         earlier: None,
     }
 }
@@ -342,6 +343,7 @@ fn by_actuators(setup: &Setup) -> Result<Given, InputError> {
         interpolation: Interpolation::Hold,
         controller: "pd",
         notes: Vec::new(),
+        unlimited: Vec::new(),
         earlier: None,
     })
 }

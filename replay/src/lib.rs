@@ -25,6 +25,7 @@ pub mod score;
 pub mod simulate;
 pub mod smooth;
 pub mod tracks;
+mod unlimited;
 pub mod words;
 
 pub use diagnosis::Options;

@@ -106,8 +106,8 @@ pub struct Value {
     /// Name of the joint; none for a parameter of the whole arm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
-    /// Value in the simulator as given, in `unit`.
-    pub given: f64,
+    /// Value in the simulator as given, in `unit`; none of a limit that is not given.
+    pub given: Option<f64>,
     /// Fitted value, in `unit`.
     pub value: f64,
     /// Standard deviation of the fitted value, in `unit`; none where it was not fitted or has no finite one.

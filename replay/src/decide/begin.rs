@@ -1,10 +1,9 @@
 //! Where the rounds of a decision begin: from nothing but tolerances, or from all that every servo has.
 
 use super::Search;
-use super::cut::joined;
 use super::effort::{COARSE, FIRST, SKETCH};
 use super::expand::family;
-use super::visited::{Visited, largest};
+use super::visited::{Visited, joined, largest};
 use crate::catalogue::{Effect, Mechanism};
 use crate::fit::{descend, noise};
 use crate::simulate::Unstable;

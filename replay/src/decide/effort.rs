@@ -27,13 +27,6 @@ pub(super) const SKETCH: Effort = Effort {
     step: COARSE,
 };
 
-/// Effort of a fit of one limit with all else held.
-pub(super) const CUT: Effort = Effort {
-    iterations: 3,
-    gain: 0.5,
-    step: COARSE,
-};
-
 /// Effort of the last fit of what is decided, at the step of what is scored. It starts from the coarse fit, which a
 /// shorter step moves by little.
 pub(super) const LAST: Effort = Effort {

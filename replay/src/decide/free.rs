@@ -40,7 +40,8 @@ pub(super) fn always(given: &Given, sizes: &Sizes) -> Vec<Entry> {
     };
     for (j, joint) in given.arm.joints.iter().enumerate() {
         add(Kind::Gain, j, RELATIVE);
-        if given.arm.get(Parameter::new(given.limit(), j)).is_finite() {
+        let limited = given.arm.get(Parameter::new(given.limit(), j)).is_finite();
+        if limited && !given.is_unlimited(j) {
             add(given.limit(), j, RELATIVE);
         }
         add(Kind::LinkScale, j, RELATIVE);

@@ -25,7 +25,7 @@ use effort::{LAST, SKETCH};
 use evidence::{Decision, Problem};
 use expand::{expand, families, hypotheses};
 use free::{Entry, always, pinned};
-use visited::{Visited, largest};
+use visited::{Visited, joined, largest};
 
 /// Result of the search: the most probable set of mechanisms, the fit with it, and signs of unknown torques.
 #[derive(Debug, Clone)]
@@ -210,9 +210,14 @@ impl Search<'_> {
         let mut visited: Vec<Visited> = Vec::new();
         for _ in 0..most {
             stage("weighing causes");
-            let next = self.expand(&about, &noises, &set)?.decide(&set).set;
+            let mut next = self.expand(&about, &noises, &set)?.decide(&set).set;
             if visited.iter().any(|v| v.set == next) {
-                break;
+                // The expansion shows no limit that is never met.
+                let (cut, lower) = self.cut(&about, &set, &noises)?;
+                (next, about) = (joined(&set, &cut), lower);
+                if cut.is_empty() || visited.iter().any(|v| v.set == next) {
+                    break;
+                }
             }
             stage("fitting with the causes found");
             let own = self.visit(next, &about, &noises, SKETCH)?;

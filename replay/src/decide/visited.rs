@@ -61,3 +61,10 @@ pub(super) fn largest(values: &[f64]) -> usize {
     all.max_by(|&a, &b| values[a].total_cmp(&values[b]))
         .unwrap_or(0)
 }
+
+/// Union of two sets that share nothing, indices increasing.
+pub(super) fn joined(set: &[usize], other: &[usize]) -> Vec<usize> {
+    let mut out = [set, other].concat();
+    out.sort_unstable();
+    out
+}

@@ -24,11 +24,12 @@ pub fn earlier(
     } else {
         given.without_rates()
     };
+    let given = given.limited(before)?;
     let found = find(&given, before, |s| {
         stage(&format!("{s}, as the robot was before"));
     })?;
     let spread = Spread::of(&found);
-    let arm = found.fitted.arm.clone();
+    let arm = given.released(&found.fitted.arm);
     let left = figures(&roll_out(&arm, before)?, before).unexplained;
     let open = found.free.iter().zip(&spread.deviation);
     let open = open.filter(|(_, deviation)| deviation.is_finite());
@@ -41,6 +42,7 @@ pub fn earlier(
         tolerances: Vec::new(),
         free: Vec::new(),
         stated: false,
+        unlimited: Vec::new(),
         ..given
     })
 }

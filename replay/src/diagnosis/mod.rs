@@ -115,10 +115,11 @@ pub fn diagnose(
     let merged = given.without_rates();
     let rates = data.whole.iter().all(|t| t.rates.is_some());
     let given = if rates { given } else { &merged };
+    let given = &given.limited(data)?;
     let found = find(given, data, &mut stage)?;
     let plain = named(given, data, &found)?;
     let listed = &plain.decision.set;
-    let corrected = plain.fitted.arm.clone();
+    let corrected = given.released(&plain.fitted.arm);
     let after = roll_out(&corrected, heldout)?;
     let spread = Spread::of(&found);
     let groups = groups(&found);
@@ -200,7 +201,7 @@ pub fn diagnose(
         as_given.clone()
     } else {
         stage("fitting what a model file holds");
-        held(given, data, &plain)?
+        given.released(&held(given, data, &plain)?)
     };
     let alone = FileAlone {
         figures: figures(&roll_out(&held, heldout)?, heldout),
@@ -238,7 +239,11 @@ pub fn diagnose(
         candidates: candidates(&found, &joints),
         not_identifiable: not_identifiable(given, &found, &spread, data, &joints),
         unknown,
-        controller: controller(given, &found.fitted.arm, Some((&found, &spread))),
+        controller: controller(
+            given,
+            &given.released(&found.fitted.arm),
+            Some((&found, &spread)),
+        ),
         joint_parameters: JointParameters {
             damping: corrected.joints.iter().map(|j| j.damping).collect(),
             frictionloss: corrected.joints.iter().map(|j| j.coulomb).collect(),

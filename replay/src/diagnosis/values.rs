@@ -74,10 +74,11 @@ pub(super) fn values(
                 _ => (value, deviation(found, spread, p)),
             };
             let shared = if p.kind == Kind::Damping { shared } else { 0.0 };
+            let none = p.kind == given.limit() && given.is_unlimited(p.joint);
             out.push(Value {
                 name,
                 joint: (!p.kind.is_common()).then(|| joints[p.joint].clone()),
-                given: given.arm.get(p) - shared,
+                given: (!none).then(|| given.arm.get(p) - shared),
                 value,
                 std: std.filter(|v| v.is_finite()),
                 unit,

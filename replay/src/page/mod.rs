@@ -108,7 +108,8 @@ fn causes(report: &Report) -> Section {
                 Cell::text(title(c.effect)),
                 Cell::text(v.joint.clone().unwrap_or_else(|| "whole arm".to_owned())),
                 Cell::text(v.name),
-                Cell::significant(v.given, 3),
+                v.given
+                    .map_or_else(|| Cell::text("none"), |g| Cell::significant(g, 3)),
                 Cell::significant(v.value, 3),
                 v.std
                     .map_or_else(Cell::missing, |s| Cell::significant(s, 2)),

@@ -7,8 +7,11 @@
 
 mod bodies;
 mod coupling;
+mod reached;
 mod step;
 mod tangents;
+
+pub use reached::reached;
 
 use crate::arm::Arm;
 use crate::command::Command;
@@ -89,9 +92,21 @@ pub fn replay(
     parameters: &[Parameter],
     observe: &mut impl FnMut(usize, &[f64], &[f64]),
 ) -> Result<(), Unstable> {
+    run(arm, track, parameters, &mut |row, state| {
+        observe(row, &state.q, &state.dq);
+    })
+}
+
+/// Simulates `track` from its recorded start, and shows `observe` the state at every sample, with its row.
+fn run(
+    arm: &Arm,
+    track: &Track,
+    parameters: &[Parameter],
+    observe: &mut impl FnMut(usize, &State<'_>),
+) -> Result<(), Unstable> {
     let longest = longest_step(arm, &track.q.row(0))?;
     let mut state = State::new(arm, track, parameters);
-    observe(0, &state.q, &state.dq);
+    observe(0, &state);
     for row in 1..track.time.len() {
         let from = track.time[row - 1];
         let span = track.time[row] - from;
@@ -110,7 +125,7 @@ pub fn replay(
                 time: track.time[row] - track.time[0],
             });
         }
-        observe(row, &state.q, &state.dq);
+        observe(row, &state);
     }
     Ok(())
 }
@@ -249,6 +264,8 @@ struct Drive {
     damping: f64,
     /// Share of all damping of the joint that acts on the velocity at the step's end.
     implicit: f64,
+    /// Control output before `drive_limit` cuts it, N·m, at the velocity of the step's start.
+    wanted: f64,
     /// Torque at the velocity of the step's start, N·m, which the gear transmits: load-dependent friction grows with it.
     transmitted: f64,
     /// Derivative of the torque with respect to the command, or to −position; 0 where a limit acts.

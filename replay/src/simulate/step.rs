@@ -117,9 +117,9 @@ impl State<'_> {
         out.error = command + servo.offset - self.q[i];
         out.velocity_error = commanded_velocity - self.v[i];
         let fixed = servo.kp * out.error + servo.ki * self.integral[i] + added;
-        let wanted = fixed + servo.kd * out.velocity_error;
-        if wanted.abs() > servo.drive_limit {
-            out.drive_cut = wanted.signum();
+        out.wanted = fixed + servo.kd * out.velocity_error;
+        if out.wanted.abs() > servo.drive_limit {
+            out.drive_cut = out.wanted.signum();
         }
         let (torque, damping) = if out.drive_cut == 0.0 {
             (

@@ -106,7 +106,7 @@ pub fn value(value: &Value) -> String {
     format!(
         "{place}{}: {} → {}{std}{unit}",
         value.name,
-        number(value.given),
+        value.given.map_or("none".to_owned(), number),
         number(value.value)
     )
 }
