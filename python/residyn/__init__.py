@@ -14,6 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from ._residyn import InputError, Robot
 from .accumulator import Accumulator, Identified, Parameter
+from .checked import Check, check
 from .compensated import Compensated
 from .diagnosis import Cause, Place, Push, Report, Step, diagnose
 from .learned import Learned
@@ -29,6 +30,7 @@ except PackageNotFoundError:
 __all__ = [
     "Accumulator",
     "Cause",
+    "Check",
     "Compensated",
     "Identified",
     "InputError",
@@ -44,6 +46,7 @@ __all__ = [
     "Report",
     "Robot",
     "Step",
+    "check",
     "diagnose",
     "identify",
     "replay",

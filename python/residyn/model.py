@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import os
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Literal, Optional, Sequence, TypedDict, TypeVar, Union, get_type_hints
@@ -190,7 +191,8 @@ def identify(
     heldout: recording that is scored and nothing else
     options: see `Options`; an option that is None is left at its default
 
-    Raises `InputError` with the words of the command line, options as keywords; Ctrl-C stops it.
+    Raises `InputError` with the words of the command line, options as keywords; Ctrl-C stops it. Severe points of a recording or of the
+    model are warned of (`UserWarning`); `check` tells all of a recording.
     """
     return _trained(robot, data, out, heldout, None, {"physics_only": True}, options)
 
@@ -228,6 +230,18 @@ def train(
     return _trained(robot, data, out, heldout, progress, own, options)
 
 
+def as_options(robot: _residyn.Robot) -> list[str]:
+    """Options of `train` that say which robot it is, and how its recordings are read."""
+    options = ["--robot", robot.source]
+    if robot.chosen:
+        options.append("--joints=" + ",".join(robot.chosen))
+    if robot.drive is not None:
+        options += ["--drive", os.fspath(robot.drive)]
+    if robot.gravity is not None:
+        options.append("--gravity=" + ",".join(map(repr, robot.gravity)))
+    return options
+
+
 def _trained(
     robot: Union[_residyn.Robot, str, os.PathLike],
     data: Union[RecordingLike, Sequence[RecordingLike]],
@@ -243,13 +257,7 @@ def _trained(
             raise TypeError(f"{name!r} is no option: there are {', '.join(Options.__annotations__)}")
     if not isinstance(robot, _residyn.Robot):
         robot = _residyn.Robot(os.fspath(robot))
-    arguments = ["--quiet", "--robot", robot.source, "--out", os.fspath(out)]
-    if robot.chosen:
-        arguments.append("--joints=" + ",".join(robot.chosen))
-    if robot.drive is not None:
-        arguments += ["--drive", os.fspath(robot.drive)]
-    if robot.gravity is not None:
-        arguments.append("--gravity=" + ",".join(map(repr, robot.gravity)))
+    arguments = ["--quiet", *as_options(robot), "--out", os.fspath(out)]
     for name, value in {**own, **options}.items():
         flag = "--" + name.replace("_", "-")
         if value is True:
@@ -261,7 +269,12 @@ def _trained(
         arguments += ["--data", *map(os.fspath, files[: len(data)])]
         if heldout is not None:
             arguments += ["--heldout", os.fspath(files[-1])]
-        _residyn.train(arguments, progress)
+
+        def warn(line: str) -> None:
+            # The caller's line: of `train` or `identify`, two frames above this one's.
+            warnings.warn(files.said(line), stacklevel=4)
+
+        _residyn.train(arguments, progress, warn)
     model = Model(out)
     model._drive = robot.drive
     return model

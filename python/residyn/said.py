@@ -17,7 +17,7 @@ _OTHERWISE = (
     (r"eval --predict\b", "`Model.predict`"),
     (r"--next FILE\.csv", "`next_motion=True`"),
     (r"--patch OUT", "`report.patch`"),
-    (r"train --check-only\b(?!`)", "the program `train --check-only`"),
+    (r"`?\btrain --check-only\b`?", "`residyn.check`"),
 )
 #: An option of a command line, with the placeholder of its value.
 _OPTION = re.compile(r"'?(?<![\w`-])--([a-z][a-z-]*)(?: <[A-Z_]+>(?:\.\.\.)?'?| FILE\.toml)?")

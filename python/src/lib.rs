@@ -33,5 +33,5 @@ mod _residyn {
     #[pymodule_export]
     use crate::sums::Sums;
     #[pymodule_export]
-    use crate::training::train;
+    use crate::training::{check, train};
 }

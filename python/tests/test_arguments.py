@@ -102,9 +102,32 @@ def test_a_model_predicts_by_the_drive_file_that_it_was_trained_with(raw, tmp_pa
 def test_words_of_the_command_line_become_keywords():
     said = residyn.said.in_python
     assert said("give gear ratios by --drive FILE.toml, or another --cutoff-hz.") == "give gear ratios by `drive`, or another `cutoff_hz`."
-    assert said("Run without --resume; see train --check-only") == "Run without `resume=True`; see the program `train --check-only`"
-    assert said("`train --check-only` gives them; leave --gpu out") == "`train --check-only` gives them; leave --gpu out"
+    assert said("Run without --resume; see train --check-only") == "Run without `resume=True`; see `residyn.check`"
+    assert said("`train --check-only` gives them; leave --gpu out") == "`residyn.check` gives them; leave --gpu out"
     assert said("/t/a.csv, row 3 (line 4): x; /t/a.csv", {"/t/a.csv": "data"}) == "data, row 3 (index 2): x; data"
+
+
+def test_what_is_severe_is_a_warning(raw, tmp_path):
+    frames = pytest.importorskip("pandas", reason="PyPI pandas is not installed: frames are not read")
+    turned = frames.read_csv(raw / "train.csv")
+    turned["tau2"] = -turned["tau2"]
+    told = residyn.check(raw / "robot.urdf", turned)
+    assert str(told).startswith(f"data: {len(turned)} samples") and "Severe" in str(told)
+    assert [one["source"] for one in told.raw] == ["data"]
+    with pytest.warns(UserWarning, match="^data: .* Do: ") as heard:
+        residyn.identify(raw / "robot.urdf", turned, tmp_path / "m", basic=True)
+    assert heard[0].filename == __file__
+    with pytest.raises(residyn.InputError, match="^data has column|^data: column|q1"):
+        residyn.check(raw / "robot.urdf", turned.drop(columns="q1"))
+
+
+def test_a_robot_is_refused_in_keywords(tmp_path):
+    scene = tmp_path / "two.xml"
+    arm = """<body name="{0}" pos="0 {1} 0"><joint name="{0}1" axis="0 0 1"/><inertial pos="0.1 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body>"""
+    scene.write_text("<mujoco><worldbody>" + arm.format("left", 0) + arm.format("right", 1) + "</worldbody></mujoco>")
+    with pytest.raises(residyn.InputError, match="`joints`") as refused:
+        residyn.Robot(str(scene))
+    assert "--" not in str(refused.value)
 
 
 def test_the_package_as_a_command(capsys):

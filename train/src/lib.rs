@@ -4,6 +4,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod arguments;
+mod checked;
 mod checkpoint;
 mod command_line;
 pub mod doctor;
@@ -21,8 +22,11 @@ mod screen;
 pub mod study;
 mod taught;
 mod topics;
+mod watch;
 mod yardsticks;
 
+pub use checked::{Checked, check};
 pub use command_line::{command, command_line, command_line_with};
 pub use compensator::training::Progress;
 pub use run::{Gpu, run, run_with};
+pub use watch::Watch;

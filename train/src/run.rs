@@ -3,33 +3,29 @@
 use crate::arguments::{Arguments, PresetName};
 use crate::runtime::{pool, stop};
 use crate::taught::Outside;
-use crate::{checkpoint, inertia, input, output, progress, screen, taught, topics, yardsticks};
+use crate::watch::Watch;
+use crate::{
+    checked, checkpoint, inertia, input, output, progress, screen, taught, topics, yardsticks,
+};
 use compensator::training::{Control, Progress, Tensors};
 use datasets::Recording;
-use datasets::check::CheckReport;
-use datasets::prepare::PrepareOptions;
 use model::cross_fit::physics_out_of_fold;
-use model::directory::Timing;
+use model::directory::{Timing, json};
 use model::failure::Failure;
 use model::identify::identification::IdentifyOptions;
 use model::physics_fit::{Fit, FitError, FitOptions, fit_physics};
-use model::preparation::check::check_recording;
 use model::residual::{Preset, ResidualError, ResidualOptions, train_residual};
 use model::spread::{LeftOut, by_regime};
 use ndarray::Array2;
+use report::{say, say_text};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// Runs `train` on threads of its own until it is done or `cancel` is raised; `watch` is called after every epoch, from
-/// any thread.
+/// Runs `train` on threads of its own until it is done or `cancel` is raised.
 ///
 /// # Errors
 /// Input that cannot be used, or the interruption.
-pub fn run(
-    arguments: &Arguments,
-    cancel: &AtomicBool,
-    watch: Option<&(dyn Fn(&Progress) + Sync)>,
-) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, cancel: &AtomicBool, watch: &dyn Watch) -> Result<(), Failure> {
     run_with(arguments, cancel, watch, no_gpu)
 }
 
@@ -50,7 +46,7 @@ pub(crate) fn no_gpu() -> Result<Tensors, compensator::Error> {
 pub fn run_with(
     arguments: &Arguments,
     cancel: &AtomicBool,
-    watch: Option<&(dyn Fn(&Progress) + Sync)>,
+    watch: &dyn Watch,
     gpu: Gpu,
 ) -> Result<(), Failure> {
     if arguments.list {
@@ -66,19 +62,26 @@ pub fn run_with(
 fn steps(
     arguments: &Arguments,
     cancel: &AtomicBool,
-    watch: Option<&(dyn Fn(&Progress) + Sync)>,
+    watch: &dyn Watch,
     (threads, tensors): (usize, Option<&Tensors>),
 ) -> Result<(), Failure> {
     let input = input::read(arguments)?;
-    let prepare_options = PrepareOptions {
-        cutoff_hz: arguments.cutoff_hz,
-        ..PrepareOptions::default()
-    };
-    let checks = checks(&input, &prepare_options)?;
-    screen::check(&input.setup.robot, &checks, arguments);
+    let prepare_options = checked::prepare_options(arguments);
+    let checks = checked::reports(&input, &prepare_options)?;
+    let robot = &input.setup.robot;
+    if arguments.check_only && arguments.json {
+        say_text!(json(&checks));
+    } else if !arguments.running.quiet {
+        let whole = arguments.check_only || arguments.verbose;
+        let lines = checked::lines(robot, &checks, whole);
+        lines.iter().for_each(|line| say!("{line}"));
+    }
     if arguments.check_only {
         return Ok(());
     }
+    checked::severe(robot, &checks)
+        .iter()
+        .for_each(|line| watch.warns(line));
     stop(cancel, "Nothing was written.")?;
     if arguments.resume {
         checkpoint::check(arguments, &input)?;
@@ -158,9 +161,7 @@ fn steps(
             );
             let show = |p: &Progress| {
                 bar.update(p);
-                if let Some(watch) = watch {
-                    watch(p);
-                }
+                watch.trained(p);
             };
             let control = Control {
                 threads,
@@ -191,13 +192,14 @@ fn steps(
     if let Some(folder) = &folder {
         checkpoint::remove(folder);
     }
+    let impossible = inertia::impossible(&arguments.out, &fit);
+    let warned: Vec<String> = outside
+        .iter()
+        .map(Outside::line)
+        .chain(impossible)
+        .collect();
+    warned.iter().for_each(|line| watch.warns(line));
     if !arguments.running.quiet {
-        let impossible = inertia::impossible(&arguments.out, &fit);
-        let warned: Vec<String> = outside
-            .iter()
-            .map(Outside::line)
-            .chain(impossible)
-            .collect();
         if arguments.verbose {
             screen::everything(&fit, &metrics, &warned, arguments);
         } else {
@@ -221,9 +223,4 @@ fn left_out(fit: &Fit, data: &[Recording], apart: &[Array2<f64>]) -> Vec<LeftOut
         }
     }
     left
-}
-
-fn checks(input: &input::Input, options: &PrepareOptions) -> Result<Vec<CheckReport>, Failure> {
-    let check = |recording| check_recording(&input.setup.robot, recording, options);
-    Ok(input.data.iter().map(check).collect::<Result<_, _>>()?)
 }

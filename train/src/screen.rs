@@ -2,13 +2,12 @@
 
 use crate::arguments::Arguments;
 use crate::output::{PAGE, published};
-use datasets::check::{CheckReport, Complaint, Finding, Severity};
+use datasets::check::{CheckReport, Finding, Severity};
 use datasets::metrics::{Row, Scope};
+use model::directory::ModelFile;
 use model::directory::metrics::{Member, Metrics};
-use model::directory::{ModelFile, json};
 use model::physics_fit::Fit;
 use model::tables;
-use physics::robot::Robot;
 use report::{say, say_text};
 use std::path::Path;
 
@@ -18,81 +17,6 @@ const WIDTH: usize = 100;
 const LOOK_AT: usize = 5;
 /// Mean NRMSE from which the user is warned of a joint.
 const POOR: f64 = 0.3;
-
-/// Prints the check of recordings before the fit: all of it with `--check-only` or `--verbose`, otherwise a
-/// line per recording and the severe findings. Parts of the description beyond the robot come first.
-pub fn check(robot: &Robot, reports: &[CheckReport], arguments: &Arguments) {
-    if arguments.check_only && arguments.json {
-        say_text!(json(&reports));
-        return;
-    }
-    if arguments.running.quiet {
-        return;
-    }
-    for note in robot.notes() {
-        say!("Note: {note}.");
-    }
-    for finding in robot.findings() {
-        say_text!(report::wrapped(&format!("Warning: {finding}."), WIDTH, ""));
-    }
-    let whole = arguments.check_only || arguments.verbose;
-    for report in reports {
-        say!(
-            "{}: {} samples, {} trajectories, {:.0} s at {:.1} Hz",
-            report.source,
-            report.samples,
-            report.trajectories,
-            report.duration_s,
-            report.rate_hz
-        );
-        if let (Some(r), true) = (&report.repeatability, whole) {
-            let floor: Vec<String> = r
-                .moving
-                .iter()
-                .map(|v| v.map_or_else(|| "–".into(), |v| format!("{v:.3}")))
-                .collect();
-            say!(
-                "  {} repeated motions; spread in motion {} N·m",
-                r.pairs.len(),
-                floor.join(" ")
-            );
-        }
-        for complaint in &report.doctor {
-            if whole || complaint.severity == Severity::Severe {
-                doctor(complaint);
-            }
-        }
-        for finding in report.findings.iter().filter(|f| !report.is_told(f)) {
-            if whole || finding.severity == Severity::Severe {
-                say!("  {:?}: {}", finding.severity, finding.message);
-            }
-        }
-        if arguments.check_only && report.doctor.is_empty() && report.findings.is_empty() {
-            say!("  nothing is wrong with it");
-        }
-    }
-}
-
-/// Prints a complaint about the torque channel: observation, meaning, remedy.
-fn doctor(complaint: &Complaint) {
-    let text = format!(
-        "{:?}: {}: {}. That is {}.",
-        complaint.severity,
-        complaint.ailment.title(),
-        complaint.seen,
-        complaint.means
-    );
-    say_text!(report::wrapped(&text, WIDTH, "  "));
-    if let Some(lines) = &complaint.drive {
-        say!("    drive file (--drive FILE.toml):");
-        lines.lines().for_each(|line| say!("      {line}"));
-    }
-    say_text!(report::wrapped(
-        &format!("Do: {}.", complaint.advice),
-        WIDTH,
-        "    "
-    ));
-}
 
 /// Prints the first screen: what the model learned, its scores, points to check, and paths of the files.
 pub fn first(

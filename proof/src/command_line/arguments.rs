@@ -33,7 +33,7 @@ pub enum Proof {
     Score {
         /// Folder of the cases. Reports go into its `reports`. A report that is there already is scored as it is.
         folder: PathBuf,
-        /// Skip all that is computed from surrogate recordings (p-values, the level of chance): much faster.
+        /// Skip all that is computed from surrogate recordings (p-values, the level of chance): somewhat faster.
         #[arg(long)]
         fast: bool,
     },
@@ -121,7 +121,7 @@ pub struct Sealed {
     /// Folder of an earlier run of the same program: its cases also count for the weights. May be repeated.
     #[arg(long, value_name = "DIR", requires = "calibrate")]
     pub with: Vec<PathBuf>,
-    /// Skip all that is computed from surrogate recordings (p-values, the level of chance): much faster.
+    /// Skip all that is computed from surrogate recordings (p-values, the level of chance): somewhat faster.
     #[arg(long)]
     pub fast: bool,
     /// Folder for cases, answers and reports. A case whose report is there already is scored by it,
@@ -177,7 +177,7 @@ pub struct Arguments {
     /// Cut-off of the motion's low-pass, Hz, instead of the one chosen from the data.
     #[arg(long, value_name = "F", value_parser = cutoff)]
     pub cutoff_hz: Option<f64>,
-    /// Skip all that is computed from surrogate recordings (p-values, the level of chance): much faster.
+    /// Skip all that is computed from surrogate recordings (p-values, the level of chance): somewhat faster.
     #[arg(long)]
     pub fast: bool,
     /// Also train a compensator and say how much of the rest of the gap it would close.

@@ -111,8 +111,12 @@ pub(super) fn code(
 fn words(cause: &Cause) -> String {
     let joints = cause.joints.join(", ");
     let sizes: Vec<String> = cause.parameters.iter().take(4).map(value).collect();
+    let doubt = match cause.confirmed {
+        true => "",
+        false => ", not confirmed by the held-out recording",
+    };
     comment(&format!(
-        "{} of {joints} ({})",
+        "{} of {joints} ({}){doubt}",
         cause.effect.name(),
         sizes.join(", ")
     ))

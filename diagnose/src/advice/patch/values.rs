@@ -81,23 +81,25 @@ pub(super) fn settings(given: &Robot, patched: &Robot) -> Vec<Setting> {
 ///
 /// `mjcf`: whether the model is an MJCF.
 pub(super) fn table(patched: &Patched, settings: &[Setting], mjcf: bool) -> String {
-    let mut out = String::from("effect\tjoints\tparameter\tvalue\tstd\tunit\twritten to\n");
+    let mut out =
+        String::from("effect\tjoints\tparameter\tvalue\tstd\tunit\twritten to\tconfirmed\n");
     for cause in patched.causes {
         let effect = cause.effect.name();
         let written = place_of(cause, mjcf).unwrap_or("this table");
+        let confirmed = if cause.confirmed { "yes" } else { "no" };
         for p in &cause.parameters {
             let joints = p.joint.clone().unwrap_or_else(|| cause.joints.join(","));
             let joints = cell(&joints);
             let std = p.std.map_or(String::new(), |s| s.to_string());
             let _ = writeln!(
                 out,
-                "{effect}\t{joints}\t{}\t{}\t{}\t{}\t{written}",
+                "{effect}\t{joints}\t{}\t{}\t{}\t{}\t{written}\t{confirmed}",
                 p.name, p.value, std, p.unit
             );
         }
         if cause.parameters.is_empty() {
             let joints = cell(&cause.joints.join(","));
-            let _ = writeln!(out, "{effect}\t{joints}\t\t\t\t\t{written}");
+            let _ = writeln!(out, "{effect}\t{joints}\t\t\t\t\t{written}\t{confirmed}");
         }
     }
     out.push_str("\njoint\tset\tgiven\tvalue\tunit\tMuJoCo\tIsaac\tGazebo (SDF)\n");
