@@ -19,6 +19,8 @@ _OTHERWISE = (
     (r"--patch OUT", "`report.patch`"),
     (r"`?\btrain --check-only\b`?", "`residyn.check`"),
 )
+#: Options with a word as value, and the words.
+_WORDS = re.compile(r"(?<![\w`-])--(estimator|lmi|preset|weight) (default|every|hard|huber|irls|iterative|last|off|ols|tukey|ucm|wls)\b")
 #: An option of a command line, with the placeholder of its value.
 _OPTION = re.compile(r"'?(?<![\w`-])--([a-z][a-z-]*)(?: <[A-Z_]+>(?:\.\.\.)?'?| FILE\.toml)?")
 
@@ -31,7 +33,7 @@ def in_python(text: str, names: Mapping[str, str] = {}) -> str:
     text = re.sub(r"\Aerror: |\s*For more information, try '--help'\.\s*\Z", "", text)
     for pattern, said in _OTHERWISE:
         text = re.sub(pattern, said, text)
-    return _OPTION.sub(_keyword, text)
+    return _OPTION.sub(_keyword, _WORDS.sub(r'`\1="\2"`', text))
 
 
 def _keyword(option: re.Match[str]) -> str:

@@ -103,6 +103,7 @@ def test_words_of_the_command_line_become_keywords():
     said = residyn.said.in_python
     assert said("give gear ratios by --drive FILE.toml, or another --cutoff-hz.") == "give gear ratios by `drive`, or another `cutoff_hz`."
     assert said("Run without --resume; see train --check-only") == "Run without `resume=True`; see `residyn.check`"
+    assert said("train with --lmi last; leave --lmi out") == 'train with `lmi="last"`; leave `lmi` out'
     assert said("`train --check-only` gives them; leave --gpu out") == "`residyn.check` gives them; leave --gpu out"
     assert said("/t/a.csv, row 3 (line 4): x; /t/a.csv", {"/t/a.csv": "data"}) == "data, row 3 (index 2): x; data"
 
