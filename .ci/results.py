@@ -131,7 +131,7 @@ def summary():
         ("KUKA KR300, benchmark", "torque, mean NRMSE; published linear model", f"{kr300['linear matrix A', 'published, test']:.2f}",
          f"{kr300['physics+compensator', 'kr300-model']:.3f}"),
         *((name, what, f"{arms[key]['plain']:.3f}", f"{arms[key]['physics']:.3f}") for key, name, what in (
-            ("panda", "Franka Panda, 1 kHz", "torque, mean NRMSE; plain least squares"),
+            ("panda", "Franka Panda, 1 kHz", "torque by the physics alone; plain least squares"),
             ("ur10", "UR10, 125 Hz", "the same"),
             ("xmate", "Rokae xMate, 1 kHz", "the same"))),
         ("Unitree Z1", "motion left unexplained; vendor's model", f"{z1['given']:.2f}", f"{z1['corrected']:.2f}"),

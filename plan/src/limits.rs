@@ -100,7 +100,7 @@ fn checks(joint: &Joint, [q, qd, tau]: [f64; 3]) -> [Option<Broken>; 3] {
 /// Advice for a broken limit, as a sentence: another speed, or another way.
 pub fn advice(broken: &Broken, model: &mut Feedforward, motion: &Motion) -> String {
     if !broken.by_speed {
-        return "No speed mends a position: plan another way.".into();
+        return "No speed mends a position: plan another way, or in rad (m) where the plan is in degrees: a drive file says so.".into();
     }
     match largest(model, motion) {
         Some(factor) => format!("At {factor:.2} of its speed the plan keeps every limit."),

@@ -13,16 +13,16 @@ pub struct Outside {
     /// Samples in which it was faded, and those of them in which nothing of it was left.
     samples: usize,
     off: usize,
-    /// Largest distance beyond the range of training, as a part of that range.
-    excess: f32,
+    /// Time of the first of them, s.
+    first: f64,
 }
 
 impl fmt::Display for Outside {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(
             f,
-            "up to {:.2} of its range outside what the compensator was trained on; it is switched off in {}, faded in {} more",
-            self.excess,
+            "from {:.3} s on the motion is at times unlike that of the training; the compensator is switched off in {}, faded in {} more",
+            self.first,
             self.off,
             self.samples - self.off
         )
@@ -30,16 +30,15 @@ impl fmt::Display for Outside {
 }
 
 /// Counts a sample outside the training.
-fn count(outside: &mut Option<Outside>, inside: Inside) {
+fn count(outside: &mut Option<Outside>, inside: Inside, time: f64) {
     if inside.weight < 1.0 {
         let seen = outside.get_or_insert(Outside {
             samples: 0,
             off: 0,
-            excess: 0.0,
+            first: time,
         });
         seen.samples += 1;
         seen.off += usize::from(inside.weight <= 0.0);
-        seen.excess = seen.excess.max(inside.excess);
     }
 }
 
@@ -65,7 +64,7 @@ pub fn along(model: &mut Feedforward, motion: &Motion) -> (Array2<f64>, Vec<Opti
                 *cell = *tau;
             }
             for (joint, outside) in outside.iter_mut().enumerate() {
-                count(outside, model.inside(joint));
+                count(outside, model.inside(joint), motion.time[row]);
             }
         }
     }
@@ -79,13 +78,16 @@ mod tests {
     #[test]
     fn samples_outside_are_counted() {
         let mut outside = None;
-        count(&mut outside, Inside::NOTHING_LEARNED);
+        count(&mut outside, Inside::NOTHING_LEARNED, 0.0);
         assert_eq!(outside, None);
-        for (weight, excess) in [(1.0, -0.2), (0.7, 0.2), (0.0, 0.9), (0.0, 0.8)] {
-            count(&mut outside, Inside { weight, excess });
+        for (time, (weight, excess)) in [(1.0, -0.2), (0.7, 0.2), (0.0, 0.9), (0.0, 0.8)]
+            .into_iter()
+            .enumerate()
+        {
+            count(&mut outside, Inside { weight, excess }, time as f64);
         }
         let text = outside.unwrap().to_string();
-        assert!(text.starts_with("up to 0.90 of its range"), "{text}");
+        assert!(text.starts_with("from 1.000 s on"), "{text}");
         assert!(
             text.ends_with("switched off in 2, faded in 1 more"),
             "{text}"

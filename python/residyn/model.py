@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import inspect
 import json
 import os
@@ -27,7 +28,7 @@ Lmi = Literal["off", "last", "every"]
 Preset = Literal["default", "ucm"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Prediction:
     """Torque over a recording, shape (samples, joints), N·m (N)."""
 
@@ -53,6 +54,11 @@ class Prediction:
         curves = {"physics": self.physics, "model": self.torque}
         names = self.report["joints"]
         return plots.over_time(self.time, plots.trajectories(self.time), curves, names, joints, "N·m (N)", band=self.std)
+
+    def __repr__(self) -> str:
+        mean = np.mean([v for v in self.nrmse() if v is not None]) if self.report["rows"] else None
+        scored = "" if mean is None else f", mean NRMSE {mean:.4f}"
+        return f"Prediction({len(self.time)} samples, {self.torque.shape[1]} joints{scored}: torque, physics, std, q, qd, qdd, report; nrmse(), plot())"
 
     def nrmse(self, name: str = "physics+compensator", scope: str = "all") -> list[Optional[float]]:
         """Error over the torque's standard deviation by joint; without a compensator, that of the physics."""
@@ -92,8 +98,10 @@ class Model:
         return self._inner.period
 
     def torque(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
-        """Torque at the next sample of a control loop; call it once per period, in order."""
+        """Torque at the next sample of a control loop; call it once per period, in order. Arrays have the shape (joints,)."""
         q, qd, qdd = (np.ascontiguousarray(x, dtype=np.float64) for x in (q, qd, qdd))
+        if any(x.shape != (len(self.joints),) for x in (q, qd, qdd)):
+            raise _residyn.InputError(f"q, qd and qdd of one sample have the shape ({len(self.joints)},); a whole recording goes to `predict`")
         return self._inner.torque(q, qd, qdd)
 
     @property
@@ -254,7 +262,9 @@ def _trained(
     """Runs `train` with its own options and those of `Options`, by their names."""
     for name in options:
         if name not in Options.__annotations__:
-            raise TypeError(f"{name!r} is no option: there are {', '.join(Options.__annotations__)}")
+            known = ["heldout", *(["progress", *own] if len(own) > 1 else []), *Options.__annotations__]
+            like = difflib.get_close_matches(name, known, 1)
+            raise TypeError(f"{name!r} is no option: " + (f"did you mean {like[0]!r}?" if like else f"there are {', '.join(known)}"))
     if not isinstance(robot, _residyn.Robot):
         robot = _residyn.Robot(os.fspath(robot))
     arguments = ["--quiet", *as_options(robot), "--out", os.fspath(out)]

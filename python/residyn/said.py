@@ -15,6 +15,7 @@ _VALUES = frozenset(
 #: What a function does otherwise, or a program alone.
 _OTHERWISE = (
     (r"eval --predict\b", "`Model.predict`"),
+    (r"`residyn (diagnose|replay|train)`", r"`residyn.\1`"),
     (r"--next FILE\.csv", "`next_motion=True`"),
     (r"--patch OUT", "`report.patch`"),
     (r"`?\btrain --check-only\b`?", "`residyn.check`"),

@@ -29,8 +29,12 @@ def test_train_has_the_options_of_the_program(program):
     for function in (residyn.train, residyn.identify, residyn.diagnose, residyn.replay):
         named = keywords(function).values()
         assert all(p.annotation is not p.empty and p.kind is not p.VAR_KEYWORD for p in named), function
-    with pytest.raises(TypeError, match="'cutof_hz' is no option: there are seed, "):
+    with pytest.raises(TypeError, match="'cutof_hz' is no option: did you mean 'cutoff_hz'"):
         residyn.identify("ur5", [], "never", cutof_hz=8)
+    with pytest.raises(TypeError, match="'physic_only' is no option: did you mean 'physics_only'"):
+        residyn.train("ur5", [], "never", physic_only=True)
+    with pytest.raises(TypeError, match="'xyz' is no option: there are heldout, progress, preset, .*, seed, "):
+        residyn.train("ur5", [], "never", xyz=True)
     # Words that an option takes, as the help lists them.
     for option, of in (("estimator", "Estimator"), ("weight", "Weight"), ("lmi", "Lmi"), ("preset", "Preset")):
         listed = re.search(rf"--{option} <.*?(?=\n      --)", said, re.S)[0]
@@ -150,6 +154,9 @@ def test_curves_of_a_prediction(raw, tmp_path):
     pytest.importorskip("matplotlib", reason="PyPI matplotlib is not installed: nothing is drawn")
     model = residyn.identify(raw / "robot.urdf", raw / "train.csv", tmp_path / "m", basic=True)
     found = model.predict(raw / "test.csv")
+    assert len(repr(found)) < 200 and f"{len(found.time)} samples" in repr(found)
+    with pytest.raises(residyn.InputError, match="a whole recording goes to `predict`"):
+        model.torque(found.q, found.qd, found.qdd)
     figure = found.plot()
     assert [axis.get_ylabel().split("\n")[0] for axis in figure.axes] == model.joints
     parts = plots.trajectories(found.time)

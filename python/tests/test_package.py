@@ -80,7 +80,7 @@ def test_a_loop_is_what_eval_predicts_for_memoryless_physics(raw, tmp_path):
     model = residyn.identify(raw / "robot.urdf", raw / "train.csv", tmp_path / "m", basic=True)
     tau = model.torque(np.zeros(len(model.joints)), np.zeros(len(model.joints)), np.zeros(len(model.joints)))
     assert tau.shape == (len(model.joints),) and np.isfinite(tau).all()
-    with pytest.raises(residyn.InputError, match="values each"):
+    with pytest.raises(residyn.InputError, match="have the shape"):
         model.torque(np.zeros(2), np.zeros(2), np.zeros(2))
 
 

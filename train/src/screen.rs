@@ -91,7 +91,8 @@ fn untried(file: &ModelFile) -> Option<String> {
     let untried = units.iter().all(|unit| unit.with_unit.is_none());
     (untried && !units.is_empty()).then(|| {
         "The learned units were not tried on motion held back, for the training has one trajectory: none is switched off where it \
-         does not help. Mark runs in the column `trajectory`, or score them with --heldout."
+         does not help. Compare `physics` and `physics+compensator` on a held-out recording; where it is no better, train with \
+         --physics-only, or give several runs, marked in the column `trajectory`."
             .to_owned()
     })
 }
@@ -127,9 +128,11 @@ fn look_at(fit: &Fit, metrics: &Metrics, checks: &[CheckReport]) -> Vec<String> 
     }
     if let Some(f) = file.preprocessing.torque_filter.filter(|f| f.recognised) {
         lines.push(format!(
-            "The torque was low-passed near {:.1} Hz before it was stored (its spectrum is empty above): predictions \
-             pass the same filter before they are scored. A drive file can declare it.",
-            f.half_power_hz()
+            "The torque was low-passed before it was stored: half power at {:.2} Hz, and nothing above. Scores compare with the prediction \
+             behind the same filter (cutoff_hz = {:.3}, the end of its pass band), and so does `eval --predict`. A control loop gives the \
+             unfiltered torque, which these scores do not judge.",
+            f.half_power_hz(),
+            f.cutoff_hz
         ));
     }
     lines.extend(findings(checks, Severity::Warning));

@@ -75,7 +75,7 @@ pub(super) const LINKS: Info = Info {
     place: Some("URDF"),
     correction: Some(Correction::Links),
     needs: &[Need::Minute],
-    remedy: "set the links' inertials ({}); --patch writes them",
+    remedy: "set the links' inertials to ({}); --patch writes them",
     body: true,
     experiment: Experiment::KnownMass,
     ..Info::NEW

@@ -221,11 +221,13 @@ fn diagnosed(
     let mut unknowable =
         not_identifiable(&frames, recordings.first(), &model.robot, &settings.input);
     unknowable.extend(channels.unusable(&names));
+    let mut moved_parameters = moved(model, &findings);
     let causes = if unchanged {
         Vec::new()
     } else {
         let mut causes = explanation.causes.clone();
-        parts.told(&mut causes);
+        let said = &settings.measure.said;
+        parts.told(&model.robot, said, &mut causes, &mut moved_parameters);
         units::of_causes(causes, &model.robot)
     };
     let sensors = sensors::beside(&frames, &findings.session.links, &causes, &model.robot);
@@ -253,7 +255,7 @@ fn diagnosed(
             &settings.measure.resonance,
         ),
         friction: friction(model, &frames, &findings),
-        moved_parameters: moved(model, &findings),
+        moved_parameters,
         bounds,
         candidates: tested(&findings, &names, null.as_ref()),
         not_identifiable: unknowable,

@@ -34,8 +34,8 @@ pub enum LoadError {
     Period(f64),
     /// The control period is too short or too long for the compensator's windows.
     #[error(
-        "the compensator was trained on samples {trained} s apart: a control period of {period} s is outside {shortest:.1e} to \
-         {longest:.1e} s"
+        "the compensator was trained on samples {trained:.4} s apart: a control period of {period} s is outside {shortest:.6} to \
+         {longest:.4} s"
     )]
     Windows {
         /// Control period that was asked for, s.

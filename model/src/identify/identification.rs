@@ -15,6 +15,7 @@ use crate::identify::dictionary::{self, SessionClock};
 use crate::identify::estimators::{self, EstimatorOptions, EstimatorReport, Solution};
 use crate::identify::selection::{self, FoldGrams, ForwardOptions, Selection};
 use crate::identify::shrinkage::GivenInertias;
+use crate::identify::steady::{pushing, top_speed};
 use crate::session::Session;
 use ::identify::base::BaseParameters;
 use ::identify::feasible::Feasible;
@@ -215,7 +216,8 @@ pub fn identify(
     let last = loop {
         let last = estimators::solve(&data, terms.clone(), &load, &estimator)?;
         // Fitted with the other joints a coefficient may have grown after all.
-        let Some((joint, k)) = beyond(&last, base.len(), &bounds) else {
+        let leave = beyond(&last, base.len(), &bounds);
+        let Some((joint, k)) = leave.or_else(|| pushes(&last, &data, &basic)) else {
             break last;
         };
         terms[joint].remove(k);
@@ -285,6 +287,21 @@ fn beyond(solution: &Solution, base: usize, bounds: &[Vec<f64>]) -> Option<(usiz
         }
     }
     worst.1
+}
+
+/// Joint and term of a friction shape that makes friction push with the motion: see [`pushing`].
+fn pushes(solution: &Solution, data: &Data, basic: &[Vec<Term>]) -> Option<(usize, usize)> {
+    let joints = solution.terms.len();
+    let (offsets, _) = estimators::offsets(data.base.len(), &solution.terms);
+    let parts = &data.session.parts[..data.target.tau.len()];
+    (0..joints).find_map(|joint| {
+        let values = &solution.estimate.parameters[offsets[joint]..];
+        let list: Vec<(Term, f64)> =
+            std::iter::zip(solution.terms[joint].clone(), values.iter().copied()).collect();
+        let top = top_speed(parts.iter().map(|p| &p.at_samples), joint)?;
+        let shape = pushing(&list, basic[joint].len(), (joint, joints), top)?;
+        Some((joint, shape))
+    })
 }
 
 /// Whether some joint's position varies: poses held still depend on gravity too.

@@ -10,4 +10,5 @@ pub mod identification;
 pub mod out_of_fold;
 pub mod selection;
 pub mod shrinkage;
+pub(crate) mod steady;
 pub mod target;

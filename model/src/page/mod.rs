@@ -70,7 +70,7 @@ pub fn page(file: &ModelFile, subject: &Subject) -> Page {
 fn scores(file: &ModelFile, subject: &Subject) -> Section {
     let (joints, rows, published) = (&file.joints, subject.rows, subject.published);
     let mut section = Section::new("Scores")
-        .paragraph("NRMSE is the root mean squared error over the standard deviation of the measured torque over all samples; R² = 100·(1 − NRMSE²) percent. “moving” keeps, for each joint, the samples with |q̇| above 0.01 rad/s (m/s).")
+        .paragraph("NRMSE is the root mean squared error over the standard deviation of the measured torque over all samples; R² = 100·(1 − NRMSE²) percent. “moving” keeps, for each joint, the samples with |q̇| above 0.01 rad/s (m/s). “linear_baseline” is the KR300 benchmark's: each torque linear in positions, velocities and accelerations of all joints, without physics. Away from the motion that it was fitted to it is far off.")
         .table(tables::scores(joints, rows, published).caption("NRMSE of torque per joint"))
         .table(tables::errors(joints, rows).caption("Root mean squared error of torque"));
     if let Some(table) = tables::forward(joints, rows, published) {
@@ -135,10 +135,13 @@ fn compensator(file: &ModelFile) -> Section {
         let figure = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.4} N·m"));
         let others = v.sees();
         let others = others.map_or(String::new(), |o| format!(", also sees {o}"));
+        let state = if v.enabled { "on" } else { "off, it did not help" };
+        if v.with_unit.is_none() {
+            return format!("{}: {state}{others}; not tried, for the training has one trajectory", v.joint);
+        }
         format!(
-            "{}: {}{others}; error on trajectories held back: physics {}, with the unit {}, with ridge regression on the same inputs {}",
-            v.joint, if v.enabled { "on" } else { "off, it did not help" },
-            figure(v.physics), figure(v.with_unit), figure(v.with_ridge)
+            "{}: {state}{others}; error on trajectories held back: physics {}, with the unit {}, with ridge regression on the same inputs {}",
+            v.joint, figure(v.physics), figure(v.with_unit), figure(v.with_ridge)
         )
     });
     section

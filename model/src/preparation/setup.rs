@@ -49,7 +49,7 @@ pub enum SetupError {
     Degrees(#[from] Degrees),
     /// Held-out recording that shares rows with the fitted ones.
     #[error(
-        "{heldout}: {rows} of its {of} rows stand in the recordings that are fitted as well: what is measured on them says nothing; give a \
+        "{heldout}: of its {of} rows {rows} moving rows stand in the recordings that are fitted as well: what is measured on them says nothing; give a \
          recording of its own as --heldout, or leave it out"
     )]
     NotHeldOut {

@@ -2,21 +2,17 @@
 
 use super::{is_forward, is_yardstick};
 use crate::directory::ModelFile;
-use datasets::metrics::{REST, Row, Scope};
-use physics::effects::{Sample, TermBank};
+use crate::identify::steady::{steady, top_speed};
+use datasets::metrics::{Row, Scope};
+use physics::effects::Term;
 use physics::torque_model::WeightedTerm;
 use report::{Cell, Column, Table};
 use signal::Motion;
-use signal::quantile::quantile;
 
 /// Largest number of effects that are named per joint.
 const NAMED: usize = 2;
 /// Largest number of models beside each other in the table.
 const MODELS: usize = 5;
-/// Quantile of a joint's speeds that is taken as its top speed.
-const TOP: f64 = 0.99;
-/// Simulation of steady motion: time until friction memory has settled, time over which torque is then averaged, and step, s.
-const STEADY: [f64; 3] = [2.0, 2.0, 0.002];
 /// Effects that every joint has.
 const BASIC: [&str; 3] = ["torque_offset", "friction_parameters", "rotor_inertia"];
 
@@ -32,11 +28,11 @@ pub fn friction(file: &ModelFile, motions: &[&Motion]) -> Table {
         Column::text("beside Coulomb and viscous"),
     ]);
     for (j, (joint, list)) in file.joints.iter().zip(&file.physics.terms).enumerate() {
-        let speeds = motions.iter().flat_map(|m| m.qd.column(j)).map(|v| v.abs());
-        let top = quantile(speeds.collect(), TOP).filter(|v| *v > REST);
+        let top = top_speed(motions.iter().copied(), j);
+        let weighted: Vec<(Term, f64)> = list.iter().map(|w| (w.term.clone(), w.value)).collect();
         let at = |share: f64| {
             top.map_or_else(Cell::missing, |v| {
-                Cell::significant(steady(list, j, file.joints.len(), share * v), 3)
+                Cell::significant(steady(&weighted, j, file.joints.len(), share * v), 3)
             })
         };
         table.push([
@@ -66,41 +62,6 @@ fn names(list: &[WeightedTerm]) -> String {
         names.push(format!("{more} more"));
     }
     names.join(", ")
-}
-
-/// Half the difference of a joint's torque in steady motion forwards and backwards at `speed`, N·m (N).
-fn steady(list: &[WeightedTerm], joint: usize, joints: usize, speed: f64) -> f64 {
-    let [settle, average, dt] = STEADY;
-    let (rows, from) = (((settle + average) / dt) as usize, (settle / dt) as usize);
-    let zeros = vec![0.0; joints];
-    let torque = |direction: f64| {
-        let mut bank = TermBank::new(joint, list.iter().map(|w| w.term.clone()).collect());
-        let (mut q, mut qd) = (zeros.clone(), zeros.clone());
-        let mut values = vec![0.0; list.len()];
-        qd[joint] = direction * speed;
-        let mut sum = 0.0;
-        for row in 0..rows {
-            q[joint] = direction * speed * dt * row as f64;
-            let sample = Sample {
-                clock: None,
-                dt: if row == 0 { 0.0 } else { dt },
-                q: &q,
-                qd: &qd,
-                qdd: &zeros,
-                load: &zeros,
-            };
-            bank.step(&sample, &mut values);
-            if row >= from {
-                let friction = list.iter().zip(&values);
-                sum += friction
-                    .filter(|(w, _)| w.term.passive().is_none())
-                    .map(|(w, v)| w.value * v)
-                    .sum::<f64>();
-            }
-        }
-        sum / (rows - from) as f64
-    };
-    0.5 * (torque(1.0) - torque(-1.0))
 }
 
 /// Table of every joint's errors: NRMSE of each model over all samples, and of the whole model in motion, with

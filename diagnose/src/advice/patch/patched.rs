@@ -5,8 +5,9 @@ use crate::advice::code;
 use crate::catalogue::effect::Effect;
 use crate::catalogue::info::{Correction, Info};
 use crate::motion::scene::Scale;
-use crate::schema::Cause;
+use crate::schema::{Cause, Moved, Parameter};
 use crate::search::find::Findings;
+use crate::settings::SaidSettings;
 use crate::simulator::NominalModel;
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use physics::robot::{Inertia, Load, PARAMETERS_PER_LINK, Robot, RobotError, to_urdf};
@@ -39,10 +40,25 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Puts the written inertial parameters into the causes, so that page and file agree.
-    pub fn told(&self, causes: &mut [Cause]) {
+    /// Puts the written inertial parameters into the causes and into the parameters that moved, so that page and file agree.
+    /// A parameter of links that is written as given, but for `said`'s bounds, is no longer told of a cause.
+    pub fn told(
+        &self,
+        given: &Robot,
+        said: &SaidSettings,
+        causes: &mut [Cause],
+        moved: &mut [Moved],
+    ) {
         let labels = self.unloaded.parameter_names();
-        let values = self.unloaded.parameters();
+        let (before, values) = (given.parameters(), self.unloaded.parameters());
+        let joints = self.unloaded.joint_names();
+        for m in moved {
+            let joint = joints.iter().position(|name| *name == m.joint);
+            let label = joint.map(|j| format!("{}{}", m.name, j + 1));
+            let place = labels.iter().position(|l| Some(l) == label.as_ref());
+            m.value = place.map_or(m.value, |at| values[at]);
+            m.deviations = (m.value - m.given).abs() / m.std;
+        }
         let load = self.load.as_ref().map(|l| l.inertia.parameters());
         for cause in causes {
             for (k, p) in cause.parameters.iter_mut().enumerate() {
@@ -56,6 +72,19 @@ impl Parts {
                     _ => None,
                 };
                 p.value = written.unwrap_or(p.value);
+            }
+            if cause.effect.info().correction == Some(Correction::Links) {
+                let moves = |p: &Parameter| {
+                    let Some(at) = labels.iter().position(|label| *label == p.name) else {
+                        return true;
+                    };
+                    let change = (values[at] - before[at]).abs();
+                    change > said.changed * p.std.unwrap_or(0.0)
+                        && change > said.changed_part * before[at].abs()
+                };
+                if cause.parameters.iter().any(moves) {
+                    cause.parameters.retain(moves);
+                }
             }
         }
     }
