@@ -165,3 +165,13 @@ proptest! {
         }
     }
 }
+
+/// A name breaks after its underscores, and what it holds of HTML stays text.
+#[test]
+fn a_long_name_in_a_table_head_may_break() {
+    let table = Table::new([Column::text("a_b<c")]).row([Cell::text("x")]);
+    let page = Page::new("title")
+        .section(Section::new("one").table(table))
+        .render();
+    assert!(page.contains("a_<wbr>b&lt;c</th>"), "{page}");
+}

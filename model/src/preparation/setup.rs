@@ -50,7 +50,7 @@ pub enum SetupError {
     /// Held-out recording that shares rows with the fitted ones.
     #[error(
         "{heldout}: of its {of} rows {rows} moving rows stand in the recordings that are fitted as well: what is measured on them says nothing; give a \
-         recording of its own as --heldout, or leave it out"
+         recording of its own as --heldout"
     )]
     NotHeldOut {
         /// Name of the held-out recording.

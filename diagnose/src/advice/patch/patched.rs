@@ -2,10 +2,11 @@
 
 use super::bodies::nearest;
 use crate::advice::code;
+use crate::catalogue::Parameter;
 use crate::catalogue::effect::Effect;
 use crate::catalogue::info::{Correction, Info};
 use crate::motion::scene::Scale;
-use crate::schema::{Cause, Moved, Parameter};
+use crate::schema::{Cause, Moved};
 use crate::search::find::Findings;
 use crate::settings::SaidSettings;
 use crate::simulator::NominalModel;
