@@ -1,6 +1,7 @@
 """Simulated recordings, and the programs that the package has to agree with."""
 
 import os
+import shutil
 import signal
 import subprocess
 from pathlib import Path
@@ -57,6 +58,19 @@ def case(program, tmp_path_factory):
     out = tmp_path_factory.mktemp("cases")
     program("simulate", "cases", "--out", out, "--cases", 1, "--seed", 5, "--quiet")
     return next(p.parent for p in out.rglob("robot.urdf"))
+
+
+@pytest.fixture(scope="session")
+def brief(case, tmp_path_factory):
+    """`case` with ten seconds of each recording, where the answer does not matter."""
+    import residyn
+
+    out = tmp_path_factory.mktemp("brief")
+    shutil.copy(case / "robot.urdf", out)
+    for name in ("train", "test"):
+        whole = residyn.Recording.read(case / f"{name}.parquet")
+        residyn.Recording(whole.time[:3000], whole.q[:3000], whole.tau[:3000]).write(out / f"{name}.parquet")
+    return out
 
 
 @pytest.fixture(scope="session")

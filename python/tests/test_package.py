@@ -132,7 +132,7 @@ def test_diagnose_is_the_program(program, case, tmp_path):
     assert model.predict(files["heldout"]).torque.shape[1] == len(report.joints)
 
 
-def test_the_interpreter_is_free_meanwhile_and_ctrl_c_returns(case):
+def test_the_interpreter_is_free_meanwhile_and_ctrl_c_returns(brief):
     ticks = []
     stop = threading.Event()
 
@@ -147,7 +147,7 @@ def test_the_interpreter_is_free_meanwhile_and_ctrl_c_returns(case):
     began = time.monotonic()
     try:
         with pytest.raises(KeyboardInterrupt):
-            residyn.diagnose(str(case / "robot.urdf"), case / "train.parquet", case / "test.parquet")
+            residyn.diagnose(str(brief / "robot.urdf"), brief / "train.parquet", brief / "test.parquet")
     finally:
         stop.set()
         thread.join()
