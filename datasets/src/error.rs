@@ -293,7 +293,9 @@ impl Problem {
             ..
         } = self
         {
-            return Cow::Owned(format!("{text}."));
+            // Lines of a file are copied as they stand.
+            let end = if text.contains('\n') { "" } else { "." };
+            return Cow::Owned(format!("{text}{end}"));
         }
         Cow::Borrowed(match self {
             Self::Io(_) => "Check the path and its permissions.",

@@ -189,9 +189,13 @@ impl Done {
     /// names them. It is empty where none are written.
     pub fn page(&self, patched: &[PathBuf]) -> String {
         let title = format!("Replay of {}", self.subject.setup.robot.name());
+        let patch = patched.first().and_then(|out| self.patch(out).ok());
+        let of = |part: fn(&Patch) -> &Vec<String>| patch.as_ref().map_or(&[][..], |p| part(p));
         let files = page::Files {
             inputs: &self.inputs,
             patched,
+            changes: of(|p| &p.changes),
+            left_out: of(|p| &p.left_out),
         };
         page::page(&self.outcome, &self.heldout, &files, &title)
     }

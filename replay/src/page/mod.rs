@@ -22,6 +22,9 @@ pub struct Files<'a> {
     pub inputs: &'a [(String, String)],
     /// Paths of the corrected model's files, the model first; empty where none are written.
     pub patched: &'a [PathBuf],
+    /// What these files change of the simulator as given, and what they do not hold, a line each.
+    pub changes: &'a [String],
+    pub left_out: &'a [String],
 }
 
 /// Page of a diagnosis as self-contained HTML text.
@@ -62,7 +65,7 @@ pub fn page(outcome: &Outcome, heldout: &Replayed, files: &Files, title: &str) -
     .section(following::following(outcome, heldout))
     .section(ladder(report))
     .section(places(report))
-    .section(drives(report, files.patched))
+    .section(drives(report, files))
     .section(limits(report))
     .section(Section::new("Provenance").pairs(files.inputs.to_vec()))
     .footer(format!(
@@ -278,7 +281,7 @@ fn places(report: &Report) -> Section {
 }
 
 /// Section with the drives and joints of the corrected simulator, and the paths `patched` of its files.
-fn drives(report: &Report, patched: &[PathBuf]) -> Section {
+fn drives(report: &Report, files: &Files) -> Section {
     let mut table = Table::new([
         Column::text("joint"),
         Column::number("kp"),
@@ -305,9 +308,19 @@ fn drives(report: &Report, patched: &[PathBuf]) -> Section {
     let section = Section::new("The corrected simulator")
         .paragraph(note)
         .table(table);
-    let written = report::write::together(patched);
-    let written = written.map(|w| format!("The corrected model is {w}."));
-    written.into_iter().fold(section, Section::paragraph)
+    let Some(written) = report::write::together(files.patched) else {
+        return section;
+    };
+    let mut section = section.paragraph(format!("The corrected model is {written}."));
+    for (what, lines) in [
+        ("It changes of the simulator as given:", files.changes),
+        ("It does not hold:", files.left_out),
+    ] {
+        if !lines.is_empty() {
+            section = section.paragraph(what).list(lines.to_vec());
+        }
+    }
+    section
 }
 
 /// Section with the quantities that the motion does not determine, and the notes.
