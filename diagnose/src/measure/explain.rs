@@ -8,7 +8,7 @@ use crate::ladder::listing::Listing;
 use crate::ladder::rungs::Free;
 use crate::ladder::scores::{Scored, total};
 use crate::measure::by_cause::{Added, by_cause, together};
-use crate::measure::quantities::{ambiguous, lead, moved, parameters, pushed};
+use crate::measure::quantities::{ambiguous, lead, moved, parameters, pushed, rubbing};
 use crate::measure::shares::{Removed, closed, normed};
 use crate::motion::scene::Scene;
 use crate::motion::standing::{Coulomb, judge};
@@ -154,7 +154,10 @@ pub fn explain(
     let mut added = Vec::new();
     for part in parts.iter().filter(|p| listed(p)) {
         let contact = part.effect.info().outside;
-        let joints = joints(part, said, here.as_ref());
+        let mut joints = joints(part, said, here.as_ref());
+        if part.accepted.is_none() && part.effect.info().friction {
+            joints = rubbing(model, found, joints);
+        }
         let (with, without) = match part.accepted {
             _ if contact => (kept(&residual), residual.clone()),
             Some(_) if part.effect.info().absorbable => {

@@ -179,6 +179,25 @@ pub fn moved(
     out.into_iter().map(|(_, p)| p).collect()
 }
 
+/// Those of `joints` whose friction has changed by more than its deviations allow; all of them where none has. A joint's friction may
+/// be freed for what another cause explains in the end.
+pub fn rubbing(model: &NominalModel, found: &Findings, joints: Vec<usize>) -> Vec<usize> {
+    let n = model.robot.dof();
+    let changes = found.changes(|i| !found.is_structure(i));
+    let clearly =
+        |(change, std): (f64, f64)| change.abs() > found.settings.measure.said.changed * std;
+    let names = model.robot.joint_names();
+    let changed = |j: &usize| {
+        let own = [
+            PARAMETERS_PER_LINK * n + j,
+            (PARAMETERS_PER_LINK + 1) * n + j,
+        ];
+        own.iter().any(|&p| clearly(changes[p])) || !slow(found, *j, &names).is_empty()
+    };
+    let kept: Vec<usize> = joints.iter().copied().filter(changed).collect();
+    if kept.is_empty() { joints } else { kept }
+}
+
 /// Part of a joint's Coulomb friction that builds up over a wider velocity than the model's, and that velocity.
 fn slow(found: &Findings, joint: usize, names: &[String]) -> Vec<Parameter> {
     let own = (0..found.accepted.len()).find(|&c| {
