@@ -42,24 +42,26 @@ pub struct Parts {
 
 impl Parts {
     /// Puts the written inertial parameters into the causes and into the parameters that moved, so that page and file agree.
-    /// A parameter of links that is written as given, but for `said`'s bounds, is no longer told of a cause.
+    /// What is written as given, but for `said`'s bounds, is no longer told.
     pub fn told(
         &self,
         given: &Robot,
         said: &SaidSettings,
         causes: &mut [Cause],
-        moved: &mut [Moved],
+        moved: &mut Vec<Moved>,
     ) {
         let labels = self.unloaded.parameter_names();
         let (before, values) = (given.parameters(), self.unloaded.parameters());
         let joints = self.unloaded.joint_names();
-        for m in moved {
+        for m in &mut *moved {
             let joint = joints.iter().position(|name| *name == m.joint);
             let label = joint.map(|j| format!("{}{}", m.name, j + 1));
             let place = labels.iter().position(|l| Some(l) == label.as_ref());
             m.value = place.map_or(m.value, |at| values[at]);
             m.deviations = (m.value - m.given).abs() / m.std;
         }
+        moved.retain(|m| m.deviations > said.moved);
+        moved.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
         let load = self.load.as_ref().map(|l| l.inertia.parameters());
         for cause in causes {
             for (k, p) in cause.parameters.iter_mut().enumerate() {
