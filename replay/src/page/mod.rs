@@ -22,8 +22,9 @@ pub struct Files<'a> {
     pub inputs: &'a [(String, String)],
     /// Paths of the corrected model's files, the model first; empty where none are written.
     pub patched: &'a [PathBuf],
-    /// What these files change of the simulator as given, and what they do not hold, a line each.
+    /// What these files change of the simulator as given, a line each.
     pub changes: &'a [String],
+    /// What these files do not hold, a line each.
     pub left_out: &'a [String],
 }
 
