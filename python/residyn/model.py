@@ -262,6 +262,7 @@ def _trained(
     """Runs `train` with its own options and those of `Options`, by their names."""
     for name in options:
         if name not in Options.__annotations__:
+            # `identify` has no options of its own.
             known = ["heldout", *(["progress", *own] if len(own) > 1 else []), *Options.__annotations__]
             like = difflib.get_close_matches(name, known, 1)
             raise TypeError(f"{name!r} is no option: " + (f"did you mean {like[0]!r}?" if like else f"there are {', '.join(known)}"))

@@ -166,7 +166,7 @@ pub fn moved(
         let said = &found.settings.measure.said;
         for (c, (p, label)) in given.iter().zip(labels).enumerate() {
             let (change, std) = total(c);
-            if change.abs() > said.changed * std && change.abs() > said.changed_part * p.abs() {
+            if said.is_changed(*p, change, std) {
                 let unit = [Unit::Kilogram, Unit::KilogramMetre, Unit::KilogramMetre2]
                     [[0, 1, 1, 1, 2, 2, 2, 2, 2, 2][c % PARAMETERS_PER_LINK]];
                 let j = c / PARAMETERS_PER_LINK;

@@ -100,7 +100,8 @@ settings! {
         moved: f64 = 3.0, physics;
         /// Most moved parameters that are reported.
         most_moved: usize = 24, tuned;
-        /// Change over its standard deviation from which a link's parameter belongs to the cause `link_parameters`.
+        /// Change over its standard deviation from which a link's parameter belongs to the cause `link_parameters`, and a joint to
+        /// `friction_parameters`.
         changed: f64 = 2.0, physics;
         /// Relative change of the parameter that is needed beside that.
         changed_part: f64 = 0.05, tuned;
@@ -111,5 +112,12 @@ settings! {
         /// Part of the squared error that a learned unit must remove on the pieces that judge it. A small gain
         /// on few may not carry over.
         learned: f32 = 0.05, tuned;
+    }
+}
+
+impl SaidSettings {
+    /// Whether a link's parameter, `given` before its `change` with the standard deviation `std`, belongs to `link_parameters`.
+    pub fn is_changed(&self, given: f64, change: f64, std: f64) -> bool {
+        change.abs() > self.changed * std && change.abs() > self.changed_part * given.abs()
     }
 }

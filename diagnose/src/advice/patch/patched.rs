@@ -81,9 +81,8 @@ impl Parts {
                     let Some(at) = labels.iter().position(|label| *label == p.name) else {
                         return true;
                     };
-                    let change = (values[at] - before[at]).abs();
-                    change > said.changed * p.std.unwrap_or(0.0)
-                        && change > said.changed_part * before[at].abs()
+                    let change = values[at] - before[at];
+                    said.is_changed(before[at], change, p.std.unwrap_or(0.0))
                 };
                 if cause.parameters.iter().any(moves) {
                     cause.parameters.retain(moves);
